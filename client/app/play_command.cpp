@@ -227,7 +227,7 @@ void PlayCommand::add_playback(CLI::App& command) {
   command
       .add_flag_callback(
           "--no-audio", [this] { options_.audio = false; },
-          "Neither play nor record the sound of reels, and do not fetch it")
+          "Neither play nor record sound, and do not fetch it")
       ->group("Sound");
   command
       .add_option("--audio-device", options_.audio_device,

@@ -33,8 +33,8 @@ class LiveSource {
   /// layers. Older frames are skipped. A publisher that was started again begins at any number.
   virtual std::optional<LiveFrame> next(std::chrono::milliseconds timeout) = 0;
 
-  /// Called with each packet of sound from now on, by the source's thread: it must not block. HTTP
-  /// carries no sound.
+  /// Called with each packet of sound from now on, by the source's thread: it must not block. None
+  /// comes without SourceOptions::sound, and HTTP carries no sound.
   using OnSound = std::function<void(const LiveSound& sound)>;
   virtual void set_on_sound(OnSound /*on_sound*/) {}
 

@@ -61,6 +61,7 @@ struct SourceOptions : HttpOptions {  ///< token, ca_file and times are for WebS
   std::optional<double> fps = {};
   std::string topic = {};                   ///< of recordings that have several
   Placement placement = {};                 ///< of the points of files
+  bool sound = false;                       ///< live streams are asked for theirs: OnSound
   std::uint64_t max_memory = kFrameMemory;  ///< DecodeLimits::max_memory
 };
 

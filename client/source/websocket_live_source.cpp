@@ -30,12 +30,14 @@ WebSocketOptions socket_options(const SourceOptions& source) {
   return options;
 }
 
+std::string with_sound(const std::string& url) {
+  return url + (url.find('?') == std::string::npos ? "?sound" : "&sound");
+}
+
 class WebSocketLiveSource : public LiveSource {
  public:
   WebSocketLiveSource(std::string url, const SourceOptions& options)
-      : url_(std::move(url)),
-        address_(url_ + (url_.find('?') == std::string::npos ? "?sound" : "&sound")),
-        options_(options) {
+      : url_(std::move(url)), address_(options.sound ? with_sound(url_) : url_), options_(options) {
     thread_ = std::thread([this] { run(); });
   }
   ~WebSocketLiveSource() override {
@@ -162,7 +164,7 @@ class WebSocketLiveSource : public LiveSource {
     changed_.wait_for(lock, shortened, [this] { return stop_.stop_requested(); });
   }
 
-  const std::string url_, address_;  ///< without and with the wish for sound
+  const std::string url_, address_;  ///< for people, and with what is asked for
   const SourceOptions options_;
   LiveAssembler assembler_;
   std::mutex sound_mutex_;

@@ -48,6 +48,7 @@ void WindowSession::open(std::vector<Stage::Placed> sources, const Settings& set
   stage.size = size;
   stage.on_ready = on_ready_;
   stage.reel.time = audio_.time();
+  stage.source.sound = options.audio;
   opening_.emplace(
       opened_, std::move(stage),
       [options, size](const Box& bounds, char up) {

@@ -1,5 +1,6 @@
 // Publishing over links with a delay: every frame arrives or is counted.
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
@@ -135,6 +136,31 @@ TEST_F(PublishLinkTest, a_viewer_behind_such_a_round_trip_stays_connected_while_
   ASSERT_TRUE(publisher->send(*layer.bytes, WebSocket::Kind::binary));
   EXPECT_TRUE(source->next(30s));
   EXPECT_EQ(source->counts().reconnections, 0u);
+}
+
+TEST_F(PublishLinkTest, sound_comes_to_those_alone_who_asked_for_it) {
+  start(0ms);
+  const auto publisher = fake_publisher();
+  ASSERT_TRUE(publisher);
+  ASSERT_TRUE(wait_until([&] { return !relay_->statistics().empty(); }));
+  std::atomic<int> silent_packets = 0, packets = 0;
+  SourceOptions with_sound;
+  with_sound.sound = true;
+  const auto silent = open_websocket_live_source(stream(), {}).value();
+  const auto heard = open_websocket_live_source(stream(), with_sound).value();
+  silent->set_on_sound([&](const LiveSound&) { ++silent_packets; });
+  heard->set_on_sound([&](const LiveSound&) { ++packets; });
+  ASSERT_TRUE(silent->hello(30s));
+  ASSERT_TRUE(heard->hello(30s));
+  const Bytes packet = {1, 2, 3};
+  ASSERT_TRUE(publisher->send(write_live_sound({1, 20'000, 960, packet}), WebSocket::Kind::binary));
+  const LiveMessage layer = layer_message(0, 0, 1);
+  ASSERT_TRUE(publisher->send(*layer.bytes, WebSocket::Kind::binary));
+  // Sound goes before layers.
+  EXPECT_TRUE(silent->next(30s));
+  EXPECT_TRUE(heard->next(30s));
+  EXPECT_EQ(silent_packets, 0);
+  EXPECT_EQ(packets, 1);
 }
 
 }  // namespace

@@ -82,11 +82,7 @@ class LiveSoundFile::Pages {
     ogg_stream_packetin(&stream_, &entry);
     return write(ogg_stream_pageout);
   }
-  std::uint64_t flush() {
-    const std::uint64_t bytes = write(ogg_stream_flush);
-    out_.flush();
-    return bytes;
-  }
+  std::uint64_t flush() { return write(ogg_stream_flush); }
 
  private:
   std::uint64_t write(int (*next)(ogg_stream_state*, ogg_page*)) {
@@ -97,6 +93,8 @@ class LiveSoundFile::Pages {
       out_.write(reinterpret_cast<const char*>(page.body), page.body_len);
       bytes += static_cast<std::uint64_t>(page.header_len + page.body_len);
     }
+    // What a killed program has not handed to the system is lost.
+    if (bytes > 0) out_.flush();
     return bytes;
   }
 

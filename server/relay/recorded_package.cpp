@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -12,6 +13,7 @@
 
 #include "common/base/try.h"
 #include "common/stream/manifest.h"
+#include "server/relay/left_sound.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;
@@ -51,6 +53,17 @@ Result<void> write_file(const fs::path& folder, const std::string& name, std::st
   const Error error = cannot_write(file);
   ::unlink(unfinished.c_str());  // it would take room that may be needed
   return tl::unexpected(error);
+}
+
+/// Writes a file of sound, as the manifest names it.
+Result<AudioFile> write_audio(const fs::path& folder, ByteView bytes, std::uint64_t samples) {
+  AudioFile audio;
+  audio.samples = samples;
+  audio.bytes = bytes.size();
+  audio.checksum = checksum_of(bytes);
+  audio.path = fmt::format("audio.{:08x}.opus", audio.checksum >> 32);
+  TRY(write_file(folder, audio.path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
+  return audio;
 }
 
 /// Takes the lock of a package's folder. The descriptor, or -1 if somebody else has it.
@@ -132,13 +145,7 @@ Result<void> RecordedPackage::complete(const LiveHello& hello) {
 Result<void> RecordedPackage::write_sound() {
   if (sound_.samples() == 0 || (audio_ && audio_->samples == sound_.samples())) return {};
   const Bytes bytes = TRY(sound_.bytes());
-  AudioFile audio;
-  audio.samples = sound_.samples();
-  audio.bytes = bytes.size();
-  audio.checksum = checksum_of(bytes);
-  audio.path = fmt::format("audio.{:08x}.opus", audio.checksum >> 32);
-  TRY(write_file(folder_, audio.path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
-  audio_ = audio;
+  audio_ = TRY(write_audio(folder_, bytes, sound_.samples()));
   return {};
 }
 
@@ -181,28 +188,53 @@ Result<void> RecordedPackage::append_to_journal(const std::string& line) {
   return {};
 }
 
+namespace {
+
+/// Puts the sound that was growing into the manifest, unless that has as much.
+Result<void> add_left_sound(const fs::path& folder, Manifest& manifest) {
+  const fs::path file = folder / kGrowingSound;
+  std::error_code none;
+  const std::uintmax_t size = fs::file_size(file, none);
+  if (none) return {};
+  std::ifstream in(file, std::ios::binary);
+  Bytes bytes(std::min<std::uintmax_t>(size, LiveSoundFile::kMostBytes));
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(in.gcount()));
+  const LeftSound left = find_left_sound(bytes);
+  if (left.samples == 0 || (manifest.audio && manifest.audio->samples >= left.samples)) return {};
+  manifest.audio = TRY(write_audio(folder, ByteView(bytes).first(left.bytes), left.samples));
+  return {};
+}
+
+/// All that a killed program left of a recording becomes its manifest.
+Result<void> complete_recording(const fs::path& folder) {
+  Manifest manifest = TRY(read_manifest(folder));
+  manifest.live.reset();
+  const std::optional<AudioFile> before = manifest.audio;
+  // Pictures without sound are better than neither.
+  const Result<void> sound = add_left_sound(folder, manifest);
+  TRY(write_file(folder, kManifestName, write_manifest(manifest)));
+  ::unlink((folder / kJournalName).c_str());
+  if (before && before->path != manifest.audio->path) ::unlink((folder / before->path).c_str());
+  if (sound) ::unlink((folder / kGrowingSound).c_str());
+  return sound;
+}
+
+}  // namespace
+
 void complete_recordings(const fs::path& folder,
                          const std::function<void(const std::string& line)>& say) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    const fs::path journal = entry.path() / kJournalName;
     std::error_code ignored;
-    if (!fs::is_regular_file(journal, ignored)) continue;
+    const auto has = [&](const char* name) {
+      return fs::is_regular_file(entry.path() / name, ignored);
+    };
+    if (!has(kJournalName) && !has(kGrowingSound)) continue;
     const int lock = lock_folder(entry.path());
     if (lock < 0) continue;
-    Result<Manifest> manifest = read_manifest(entry.path());
-    Result<void> written;
-    if (!manifest) {
-      written = tl::unexpected(manifest.error());
-    } else {
-      manifest->live.reset();
-      written = write_file(entry.path(), kManifestName, write_manifest(*manifest));
-    }
-    if (written) {
-      fs::remove(journal, ignored);
-    } else if (say) {
-      say(written.error().message);
-    }
+    if (const auto completed = complete_recording(entry.path()); !completed && say)
+      say(completed.error().message);
     ::close(lock);
   }
 }

@@ -69,9 +69,10 @@ class RecordedPackage {
   bool complete_ = false;  ///< the manifest on disk has all segments and no `live`
 };
 
-/// Puts what journals hold into the manifests of recordings in this folder that a killed program
-/// left behind, so that web servers serve all of it. `say` gets a line for each that cannot be
-/// written, and may be empty. Recordings that another program is writing are left alone.
+/// Puts what journals hold, and the sound that was growing, into the manifests of recordings in
+/// this folder that a killed program left behind, so that web servers serve all of it. `say` gets a
+/// line for each that cannot be written, and may be empty. Recordings that another program is
+/// writing are left alone.
 void complete_recordings(const std::filesystem::path& folder,
                          const std::function<void(const std::string& line)>& say);
 

@@ -14,6 +14,7 @@
 #include "client/audio/live_track.h"
 #include "common/audio/opus_reader.h"
 #include "common/stream/live_queue.h"
+#include "server/relay/left_sound.h"
 #include "server/relay/live_sound_file.h"
 #include "server/relay/relay.h"
 #include "tests/temporary_folder.h"
@@ -228,6 +229,38 @@ TEST(LiveSound, is_recorded_with_silence_where_packets_are_missing) {
   add(kStart + 2'000'000);
   const Bytes longer = recorded.bytes().value();
   EXPECT_EQ(OpusReader::open(longer)->samples(), 101u * kSamples);
+}
+
+TEST(LiveSound, of_a_recording_that_was_cut_anywhere_all_whole_pages_are_found) {
+  const TemporaryFolder folder;
+  LiveSoundFile recorded(folder / "sound", kStart);
+  Tone tone;
+  for (std::uint64_t i = 0; i < 150; ++i) {
+    const Bytes packet = tone.packet();
+    recorded.add({0, kStart + 20'000 * i, kSamples, packet});
+  }
+  const Bytes whole = recorded.bytes().value();
+  const LeftSound all = find_left_sound(whole);
+  EXPECT_EQ(all.bytes, whole.size());
+  EXPECT_EQ(all.samples, 150u * kSamples);
+  // A page has about 4 KiB.
+  EXPECT_GT(find_left_sound(ByteView(whole).first(whole.size() / 2)).samples, 50u * kSamples);
+  LeftSound before;
+  for (std::size_t size = 0; size <= whole.size(); size += 97) {
+    Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
+    cut.resize(size + size % 300);  // as file systems do where a machine lost its power
+    const LeftSound left = find_left_sound(cut);
+    ASSERT_LE(left.bytes, size);
+    ASSERT_GE(left.samples, before.samples);
+    before = left;
+    if (left.samples == 0) continue;
+    const auto reader = OpusReader::open(ByteView(cut).first(left.bytes));
+    ASSERT_TRUE(reader) << size << ": " << reader.error().message;
+    ASSERT_EQ(reader->samples(), left.samples);
+  }
+  Bytes damaged = whole;
+  damaged[whole.size() / 2] ^= 1;
+  EXPECT_LE(find_left_sound(damaged).bytes, whole.size() / 2);
 }
 
 }  // namespace

@@ -319,6 +319,61 @@ TEST_F(RecordingFaultsTest, recordings_of_a_killed_program_are_completed_and_oth
   EXPECT_EQ(read_manifest(package()).value().frame_count(), given);
 }
 
+/// Sound from one time on until another, in packets of silence.
+void give_sound(LiveSink& sink, std::uint64_t from_ms, std::uint64_t to_ms) {
+  constexpr std::uint8_t kSilence[]{0xfc, 0xff, 0xfe};
+  for (; from_ms < to_ms; from_ms += 20) {
+    const auto bytes = std::make_shared<const Bytes>(write_live_sound(
+        {static_cast<std::uint32_t>(from_ms / 20), kStart + 1000 * from_ms, 960, kSilence}));
+    sink.sound(parse_live_sound(*bytes).value(), {LiveMessage::Kind::binary, bytes});
+  }
+}
+
+TEST_F(RecordingFaultsTest, the_sound_of_a_killed_program_is_added_to_its_recording) {
+  LiveRecorder recorder(options());
+  recorder.hello(real_hello());
+  // The first page is full after 255 packets.
+  give_sound(recorder, 0, 6'000);
+  give_frames(recorder, 0, 12);
+  const fs::path silent = copy_as_if_killed("silent");
+  EXPECT_FALSE(read_manifest(silent).value().audio);
+  std::ofstream(silent / ".sound", std::ios::app) << "OggS and no more";
+  complete_recordings(silent.parent_path(), {});
+  std::uint32_t frames = 0;
+  EXPECT_THAT(faults(silent, frames), IsEmpty());
+  EXPECT_EQ(frames, 10u);
+  const Manifest manifest = read_manifest(silent).value();
+  EXPECT_FALSE(manifest.live);
+  ASSERT_TRUE(manifest.audio);
+  EXPECT_GE(manifest.audio->samples, 250u * 960);
+  EXPECT_FALSE(fs::exists(silent / ".sound"));
+
+  // The publisher has gone, and come back for a while.
+  recorder.end();
+  recorder.hello(real_hello());
+  const fs::path longer = copy_as_if_killed("longer");
+  complete_recordings(longer.parent_path(), {});
+  EXPECT_EQ(read_manifest(longer)->audio->samples, 300u * 960) << "nothing is lost";
+  give_sound(recorder, 6'000, 14'000);
+  give_frames(recorder, 12, 8);
+  const fs::path longest = copy_as_if_killed("longest");
+  complete_recordings(longest.parent_path(), {});
+  EXPECT_THAT(faults(longest, frames), IsEmpty());
+  EXPECT_GE(read_manifest(longest)->audio->samples, 600u * 960);
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(longest))
+    files += entry.path().extension() == ".opus";
+  EXPECT_EQ(files, 1);
+  EXPECT_TRUE(fs::exists(package() / ".sound")) << "it is still being recorded";
+
+  fs::remove_all(silent);
+  const fs::path empty = copy_as_if_killed("empty");
+  fs::resize_file(empty / ".sound", 50);
+  complete_recordings(empty.parent_path(), {});
+  EXPECT_FALSE(fs::exists(empty / ".sound"));
+  EXPECT_TRUE(read_manifest(empty)->audio) << "that of before stays";
+}
+
 TEST_F(RecordingFaultsTest, a_damaged_journal_gives_an_error_or_a_valid_manifest) {
   LiveRecorder recorder(short_segments());
   recorder.hello(real_hello());

@@ -25,11 +25,15 @@ namespace pointreel {
 namespace {
 
 constexpr int kRate = 48'000;
+/// By how many samples libopus delays what it encodes. Viewers decode all there is, so that many
+/// are left out at the beginning of a file.
+constexpr int kEncoderDelay = 312;
 /// A microphone's time that is this far from the machine's is set anew: its clock has another pace.
 constexpr std::int64_t kMostOff = 100'000;
 
 std::vector<std::string> arguments(const SoundSource& source) {
   std::vector<std::string> all{"-hide_banner", "-loglevel", "error"};
+  std::string filter = fmt::format("aresample={}", kRate);
   const auto add = [&all](std::initializer_list<std::string> some) { all.insert(all.end(), some); };
   if (source.name == kMicrophone) {
     add({"-f", "alsa", "-i", "default"});
@@ -37,10 +41,10 @@ std::vector<std::string> arguments(const SoundSource& source) {
     if (source.loop) add({"-stream_loop", "-1"});
     // A playlist must not make it fetch from elsewhere.
     add({"-protocol_whitelist", "file", "-i", "file:" + source.name, "-map", "0:a:0"});
+    filter += fmt::format(",atrim=start_sample={},asetpts=N/SR/TB", kEncoderDelay);
   }
-  add({"-af", fmt::format("aresample={}", kRate), "-ac", "2", "-c:a", "libopus", "-b:a", "96k",
-       "-frame_duration", "20", "-f", "ogg", "-page_duration", "20000", "-flush_packets", "1",
-       "pipe:1"});
+  add({"-af", filter, "-ac", "2", "-c:a", "libopus", "-b:a", "96k", "-frame_duration", "20", "-f",
+       "ogg", "-page_duration", "20000", "-flush_packets", "1", "pipe:1"});
   return all;
 }
 

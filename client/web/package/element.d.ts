@@ -20,7 +20,7 @@ export declare class PointreelPlayer extends HTMLElement {
   autoplay: boolean;
   loop: boolean;
   controls: boolean;
-  /** From 0 to 1. Reels may have sound, live streams have none. */
+  /** From 0 to 1. */
   volume: number;
   /** At first, whether there is an attribute `muted`. */
   muted: boolean;

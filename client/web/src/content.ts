@@ -2,18 +2,24 @@
 import { WORKERS } from "./device";
 import { Fetcher } from "./fetching";
 import { LivePlayback } from "./live";
+import { LiveSounds } from "./live_sound/live_sounds";
 import { load, loadWhole } from "./loading";
 import { Box, FrameFacts, isEmpty, Module, Vec3, viewBox } from "./module";
 import { MadeFrame, ReelPlayback } from "./playback";
 import { Assets, Pool } from "./pool";
 import { Reel } from "./reel";
-import { Sound } from "./sound";
+import { Sound, Soundtrack } from "./sound";
 
 export interface ContentOptions {
   loop: boolean;
   startUs: number;
   /** Where live streams stand, one after another; (0, 0, 0) for those not given. */
   places: readonly Vec3[];
+}
+/** What a player has to say besides. */
+export interface PlayerState {
+  /** Sound that is not heard is not fetched from live streams. */
+  muted: boolean;
 }
 
 const moved = (box: Box, way: readonly number[]): Box =>
@@ -33,7 +39,9 @@ function enclosing(boxes: readonly (Box | null)[]): Box | null {
 export class Content {
   reel: ReelPlayback | null = null;
   live: LivePlayback[] = [];
+  /** Of a reel. */
   sound: Sound | null = null;
+  private liveSounds: LiveSounds | null = null;
   /** Of each part, the frame by which a first view of it is chosen. */
   private readonly first: FrameFacts[] = [];
   /** By the module that decodes. */
@@ -46,7 +54,7 @@ export class Content {
    * `sources`: the address of a reel.json, or those of live streams. `base`: where the player's files are.
    * Calls `changed` when there may be something else to show.
    */
-  static async open(base: URL, sources: readonly string[], token: string | null, options: ContentOptions,
+  static async open(base: URL, sources: readonly string[], token: string | null, options: ContentOptions & PlayerState,
                     changed: () => void, signal: AbortSignal): Promise<Content> {
     const urls = sources.map((source) => new URL(source, document.baseURI));
     const isLive = urls.every((url) => /^wss?:$/.test(url.protocol));
@@ -57,8 +65,9 @@ export class Content {
     try {
       if (manifest && fetcher) await content.openReel(Reel.read(module, manifest), fetcher, options, changed);
       else {
+        const sounds = (content.liveSounds = new LiveSounds(options.muted));
         content.live = urls.map((url, i) => new LivePlayback(
-          url.href, options.places[i] ?? [0, 0, 0], token, module, (isDraco) => content.poolFor(isDraco), changed));
+          url.href, options.places[i] ?? [0, 0, 0], token, module, (isDraco) => content.poolFor(isDraco), sounds.makeStream(), changed));
       }
       return content;
     } catch (error) {
@@ -95,8 +104,13 @@ export class Content {
     this.sound?.free();
     this.reel?.free();
     for (const live of this.live) live.free();
+    this.liveSounds?.free();
     for (const pool of this.pools.values()) pool.free();
   }
+
+  /** Null if nothing that is open is known to have sound. */
+  get soundtrack(): Soundtrack | null { return this.sound ?? (this.liveSounds?.isThere ? this.liveSounds : null); }
+  setVolume(volume: number, muted: boolean): void { (this.sound ?? this.liveSounds)?.setVolume(volume, muted); }
 
   get up(): number | undefined { return this.reel?.reel.up ?? this.live[0]?.up; }
   private get parts(): { bounds: Box | null; place: Vec3; shown: MadeFrame | null }[] {
@@ -138,6 +152,6 @@ export class Content {
   get trouble(): string | null {
     const first = (lines: (string | null)[]) => lines.find((line) => line) ?? null;
     return first([...[...this.pools.values()].map((pool) => pool.trouble), this.fetcher?.trouble ?? null,
-                  ...this.live.map((live) => live.error), this.reel?.error ?? null]);
+                  ...this.live.map((live) => live.error ?? live.sound.error), this.reel?.error ?? null]);
   }
 }

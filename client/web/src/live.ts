@@ -1,6 +1,8 @@
 // A live stream: the newest frame, as soon as it has come.
 import { DECODE_BYTES } from "./device";
 import { refusal } from "./fetching";
+import { Hold } from "./live_sound/hold";
+import type { StreamSound } from "./live_sound/stream_sound";
 import { Box, encode, Module, Vec3 } from "./module";
 import { MadeFrame } from "./playback";
 import { LostJob, Pool } from "./pool";
@@ -9,6 +11,8 @@ import { Look, prepareOptions, viewOf } from "./view";
 const BAD = 0, HELLO = 1, END = 3;  // PrMessage
 const WHOLE = 21;
 const DRACO = 2;  // PrReelInfo::codec
+const SOUND = 0x31535250;  // how a packet of sound begins: PRS1
+const isSound = (data: ArrayBuffer): boolean => data.byteLength >= 4 && new DataView(data).getUint32(0, true) === SOUND;
 /** As PROTOCOL.md wants tokens in a subprotocol. */
 const escaped = (token: string): string => encodeURIComponent(token).replace(
   /[!'()*]/g, (c) => `%${c.charCodeAt(0).toString(16).toUpperCase()}`);
@@ -21,7 +25,7 @@ export class LivePlayback {
   /** What is wrong, or null. */
   error: string | null = null;
   playing = true;
-  /** From capture to picture, if the clocks of both machines agree. */
+  /** From capture to the picture that was seen last, if the clocks of both machines agree. */
   delayMs = 0;
   frames = 0;
   private readonly handle: number;
@@ -34,16 +38,25 @@ export class LivePlayback {
   private closed = false;
 
   private pool: Pool | null = null;
+  /** Of what is shown, in milliseconds: when it was captured, and how long it was held. */
+  private shownAt = { capture: 0, held: 0 };
+  private drawnKey = 0;
+  /** Pictures wait for sound if that takes longer. */
+  private readonly hold = new Hold<string | ArrayBuffer>((data) => this.take(data));
 
   /** `poolFor`: who decodes a stream is known when it says hello. */
   constructor(readonly url: string, readonly place: Vec3, private readonly token: string | null, private readonly module: Module,
-              private readonly poolFor: (isDraco: boolean) => Promise<Pool>, private readonly onReady: () => void) {
+              private readonly poolFor: (isDraco: boolean) => Promise<Pool>, readonly sound: StreamSound,
+              private readonly onReady: () => void) {
     this.handle = module.made("pr_live_new");
+    // The server learns from the address whether to send sound.
+    sound.onWanted = () => this.connectAnew();
     this.connect();
   }
   free(): void {
     this.closed = true;
     clearTimeout(this.again);
+    this.hold.clear();
     this.socket?.close();
     this.module.call("pr_live_free", this.handle);
   }
@@ -54,12 +67,23 @@ export class LivePlayback {
     this.repack(look);
   }
 
+  /** What is shown was drawn. Returns what is to be called when it is seen, if it was not drawn before. */
+  noteDrawn(): (() => void) | null {
+    const { shown, shownAt } = this;
+    if (!shown || shown.key === this.drawnKey) return null;
+    this.drawnKey = shown.key;
+    return () => {
+      this.delayMs = performance.timeOrigin + performance.now() - shownAt.capture;
+      this.sound.delays.addPicture(this.delayMs, shownAt.held);
+    };
+  }
+
   private connect(): void {
     // A page cannot set headers: the token goes with the subprotocols.
     const protocols = this.token === null ? undefined : ["pointreel", `bearer.${escaped(this.token)}`];
     let socket: WebSocket;
     try {
-      socket = new WebSocket(this.url, protocols);
+      socket = new WebSocket(this.address, protocols);
     } catch {
       this.error = `${this.url}: no address of a live stream`;
       return;
@@ -70,14 +94,36 @@ export class LivePlayback {
     socket.onopen = () => { hasOpened = true; };
     socket.onmessage = ({ data }) => this.receive(data as string | ArrayBuffer);
     socket.onclose = (event) => {
-      if (this.closed) return;
-      this.module.call("pr_live_reconnected", this.handle);
+      if (this.closed || socket !== this.socket) return;
+      this.forget();
       this.error = event.reason || (this.shown ? "the connection was lost" : "there is no live stream yet");
       if (!hasOpened) this.askWhy();
       this.again = window.setTimeout(() => this.connect(), this.pause);
       this.pause = Math.min(2 * this.pause, 2000);
       this.onReady();
     };
+  }
+
+  /** Of the connection. */
+  private forget(): void {
+    this.hold.clear();
+    this.sound.restart();
+    this.module.call("pr_live_reconnected", this.handle);
+  }
+  /** To what the address is now. */
+  private connectAnew(): void {
+    if (!this.socket || this.socket.readyState > WebSocket.OPEN) return;
+    const old = this.socket;
+    this.socket = null;
+    old.onmessage = null;
+    old.close();
+    this.forget();
+    this.connect();
+  }
+
+  private get address(): string {
+    if (!this.sound.isWanted) return this.url;
+    return this.url + (this.url.includes("?") ? "&sound" : "?sound");
   }
 
   /** A page is not told why a WebSocket was refused. The stream's manifest is refused for the same reason. */
@@ -94,6 +140,17 @@ export class LivePlayback {
   private receive(data: string | ArrayBuffer): void {
     if (this.closed) return;
     this.pause = 100;
+    if (typeof data !== "string" && isSound(data)) return this.takeSound(new Uint8Array(data));
+    this.hold.ms = this.sound.isHeard ? this.sound.delays.hold : 0;
+    this.hold.put(data);
+  }
+  private takeSound(bytes: Uint8Array): void {
+    const [at] = this.module.put(bytes), found = this.module.call("pr_live_sound", at!, bytes.length);
+    if (found === 0) return this.sound.fail(this.module.lastError().message);
+    const [number, captureUs, samples, offset] = this.module.doubles(found, 4);
+    this.sound.add({ number: number!, captureMs: captureUs! / 1000, samples: samples!, packet: bytes.subarray(offset!) }, this.playing);
+  }
+  private take(data: string | ArrayBuffer): void {
     if (typeof data === "string") {
       const bytes = encode(data), [at] = this.module.put(bytes);
       const kind = this.module.call("pr_live_text", this.handle, at!, bytes.length);
@@ -136,15 +193,15 @@ export class LivePlayback {
     const bytes = this.module.bytes(f[4]!, f[5]!).slice();
     const sizes = Uint32Array.from(this.module.ints(f[6]!, 3 * f[2]!));
     const options = prepareOptions(look, WHOLE, f[0]!, f[1]!, [0, 0, 0, 1], DECODE_BYTES);
-    const key = nextKey++, { mode, color, number } = look;
+    const key = nextKey++, { mode, color, number } = look, shownAt = { capture: f[1]! / 1000, held: this.hold.held };
     this.busy = true;
     pool.prepare(worker, key, bytes, sizes, 0, options, viewOf(look, this.place)).then((done) => {
       const old = this.shown;
       if (old && old.life === pool.life(old.worker)) pool.drop(old.worker, [old.key]);
       this.shown = { frame: f[0]!, worker, life, key, layers: f[2]!, level: WHOLE, mode, color,
                      facts: done.facts, packed: done.packed, look: number, times: done.times };
+      this.shownAt = shownAt;
       this.frames += 1;
-      this.delayMs = performance.timeOrigin + performance.now() - f[1]! / 1000;
     }).catch((error: Error) => {
       if (!(error instanceof LostJob)) this.error = `frame ${f[0]!}: ${error.message}`;
     }).finally(() => {

@@ -6,7 +6,7 @@ import type { LivePlayback } from "./live";
 import { Box, ColorSource, Mode, Vec3 } from "./module";
 import type { MadeFrame, ReelPlayback } from "./playback";
 import { contextOf, DrawOptions, Renderer, ScenePart } from "./renderer/renderer";
-import type { Sound } from "./sound";
+import type { Soundtrack } from "./sound";
 import { Look } from "./view";
 import { WholeView } from "./whole_view";
 
@@ -113,14 +113,14 @@ export class Player {
     this.wantsLoop = options.loop;
     let content: Promise<Content> | null = null;
     try {
-      content = Content.open(this.base, sources, token, options, () => this.schedule(), opening.signal);
+      content = Content.open(this.base, sources, token, { ...options, muted: this.isMuted }, () => this.schedule(), opening.signal);
       content.catch(() => undefined);
       // While it is on its way, the driver makes a context and compiles.
       await this.makeRenderer(opening.signal);
       const opened = await content;
       opening.signal.throwIfAborted();
       this.content = opened;
-      opened.sound?.setVolume(this.loudness, this.isMuted);
+      opened.setVolume(this.loudness, this.isMuted);
       this.camera = new Camera(opened.module, opened.up);
       if (this.reel) {
         this.lookHome();
@@ -228,14 +228,14 @@ export class Player {
   // Sound.
 
   /** Null if nothing that is open has sound. */
-  get sound(): Sound | null { return this.content?.sound ?? null; }
+  get sound(): Soundtrack | null { return this.content?.soundtrack ?? null; }
   get volume(): number { return this.loudness; }
   get muted(): boolean { return this.isMuted; }
   /** `volume`: from 0 to 1, as of <video>. */
   setVolume(volume: number, muted: boolean): void {
     this.loudness = Math.max(0, Math.min(1, volume));
     this.isMuted = muted;
-    this.sound?.setVolume(this.loudness, muted);
+    this.content?.setVolume(this.loudness, muted);
     this.onEvent("volumechange");
   }
 
@@ -361,7 +361,7 @@ export class Player {
       this.applyFirstView();
     }
     if (this.reel?.update(look)) this.dirty = true;
-    if (this.reel) this.sound?.follow(this.reel.clock);
+    if (this.reel) this.content?.sound?.follow(this.reel.clock);
     for (const live of this.live) live.update(look);
     // Where the points are is known only from a frame.
     if (this.content?.noteShown() && !this.hasMoved) this.lookHome();
@@ -411,9 +411,17 @@ export class Player {
       renderer.present();
     }
     this.painted = parts;
+    this.noteDrawn();
     this.dirty = false;
     this.drawMs = performance.now() - start;
     if (parts.length > 0 && this.pictures++ === 0) this.onEvent("firstpicture");
+  }
+
+  /** What was drawn is seen about when the next picture could be. Headsets may have stopped what tells that. */
+  private noteDrawn(): void {
+    const notes = this.live.map((live) => live.noteDrawn()), note = () => { for (const each of notes) each?.(); };
+    if (this.display) note();
+    else requestAnimationFrame(note);
   }
 
   private tell(): void {

@@ -1,15 +1,20 @@
 // The sound of a reel: an <audio> that follows the page's clock.
 import { Clock } from "./clock";
+import { hasActed } from "./gesture";
 
 // How far sound may be from the clock, in seconds: what is farther off jumps, and what is a little off is played a
 // little faster or slower.
 const JUMP = 0.2, NEAR = 0.008;
 
-/** Browsers that do not tell are asked again and again. */
-const hasActed = () => (navigator as { userActivation?: { hasBeenActive: boolean } }).userActivation?.hasBeenActive !== false;
-
-export class Sound {
+/** What the controls have to know of sound. */
+export interface Soundtrack {
   /** Why it is not heard, in one line for people; null while it is, or would be if it were played. */
+  readonly problem: string | null;
+  setVolume(volume: number, muted: boolean): void;
+  free(): void;
+}
+
+export class Sound implements Soundtrack {
   problem: string | null = null;
   private readonly audio = new Audio();
   private made = "";

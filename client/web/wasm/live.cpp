@@ -11,6 +11,7 @@
 #include "client/web/wasm/errors.h"
 #include "client/web/wasm/module.h"
 #include "client/web/wasm/reel.h"
+#include "common/stream/live_sound.h"
 
 using namespace pointreel;
 
@@ -72,6 +73,18 @@ PrError pr_live_layer(PrLive* live, const std::uint8_t* bytes, std::uint32_t siz
   }
   live->frames.add(*layer, message.part(kLiveHeaderSize, layer->bytes.size()), time_of(now_us));
   return PR_OK;
+}
+
+const PrLiveSound* pr_live_sound(const std::uint8_t* bytes, std::uint32_t size) {
+  static PrLiveSound answer;
+  const auto sound = parse_live_sound({bytes, size});
+  if (!sound) {
+    report(sound.error());
+    return nullptr;
+  }
+  answer = {static_cast<double>(sound->number), static_cast<double>(sound->capture_us),
+            static_cast<double>(sound->samples), static_cast<double>(kSoundHeaderSize)};
+  return &answer;
 }
 
 void pr_live_reconnected(PrLive* live) { live->frames.reconnected(); }

@@ -468,6 +468,15 @@ PR_EXPORT(PrMessage, pr_live_text)(PrLive* live, const char* text, std::uint32_t
 /// A binary message. A layer that does not fit those before it is counted as bad and left out.
 PR_EXPORT(PrError, pr_live_layer)
 (PrLive* live, const std::uint8_t* bytes, std::uint32_t size, double now_us);
+struct PrLiveSound {
+  double number;
+  double capture_us;  ///< Unix time of the first sample, by the publisher's clock
+  double samples;     ///< of each channel at 48,000 Hz
+  double offset;      ///< where the packet of Opus begins in the message; it ends where that ends
+};
+static_assert(sizeof(PrLiveSound) == 4 * 8);
+/// A binary message that begins with PRS1. 0: it is none of sound; pr_error_text says why.
+PR_EXPORT(const PrLiveSound*, pr_live_sound)(const std::uint8_t* bytes, std::uint32_t size);
 /// What follows comes over a new connection.
 PR_EXPORT(void, pr_live_reconnected)(PrLive* live);
 

@@ -111,7 +111,10 @@ export class StatisticsPanel {
       if (rate > 0) lines.push(["Link", `${((8 * rate) / 1e6).toFixed(1)} Mbit/s`]);
       lines.push(["Buffers", `${bytesText(player.memory)} ready, ${bytesText(reel.store.heldBytes)} coded`]);
     }
-    if (player.isLive) lines.push(["Delay", `${Math.max(0, player.live[0]!.delayMs).toFixed(0)} ms`]);
+    if (player.isLive) {
+      const { delayMs, sound } = player.live[0]!, text = (ms: number) => `${Math.max(0, ms).toFixed(0)} ms`;
+      lines.push(["Delay", text(delayMs) + (Number.isNaN(sound.delayMs) ? "" : `, sound ${text(sound.delayMs)}`)]);
+    }
     lines.push(["Drawing", `${player.drawMs.toFixed(1)} ms, ${player.driver}`]);
     this.list.replaceChildren(...lines.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]));
   }

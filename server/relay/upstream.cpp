@@ -141,7 +141,8 @@ class StreamsOfServer : public Upstream {
   StreamsOfServer(Relay& relay, UpstreamOptions options)
       : relay_(relay), options_(std::move(options)) {
     if (!options_.stream.empty()) {
-      streams_.emplace(options_.stream, stream(options_.url, options_.stream));
+      if (auto link = stream(options_.url, options_.stream))
+        streams_.emplace(options_.stream, std::move(link));
     } else {
       list_ = std::make_unique<Link>(options_, options_.url, [this] {
         return [this](WebSocketMessage message) { return take_list(std::move(message)); };

@@ -162,6 +162,11 @@ TEST_F(UpstreamTest, addresses_and_names_are_read_and_mistakes_are_named) {
   }
 }
 
+TEST_F(UpstreamTest, a_name_that_gets_too_long_is_reported_and_not_followed) {
+  const auto upstream = follow(std::string(60, 'x') + "*=ws://127.0.0.1:1/live/alice");
+  EXPECT_TRUE(says("is too long"));
+}
+
 TEST_F(UpstreamTest, streams_come_and_go_with_those_of_the_other_server) {
   Relay above;
   HttpServerOptions options;

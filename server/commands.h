@@ -16,6 +16,7 @@ inline constexpr int kExitOk = 0, kExitFailed = 1, kExitUsage = 2;
 /// Each adds subcommands to the program. When one of them has run, `exit_code` holds its result.
 void add_pack_command(CLI::App& app, int& exit_code);
 void add_audio_command(CLI::App& app, int& exit_code);
+void add_edit_commands(CLI::App& app, int& exit_code);     ///< cut and join
 void add_inspect_commands(CLI::App& app, int& exit_code);  ///< info, verify and unpack
 void add_upload_command(CLI::App& app, int& exit_code);
 void add_publish_command(CLI::App& app, int& exit_code);

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   int exit_code = pointreel::kExitOk;
   pointreel::add_pack_command(app, exit_code);
   pointreel::add_audio_command(app, exit_code);
+  pointreel::add_edit_commands(app, exit_code);
   pointreel::add_inspect_commands(app, exit_code);
   pointreel::add_upload_command(app, exit_code);
   pointreel::add_serve_command(app, exit_code, {argv + 1, argv + argc});

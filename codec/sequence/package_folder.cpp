@@ -76,7 +76,19 @@ Result<std::uint64_t> finish_package(const fs::path& folder, Manifest& manifest,
                                      const fs::path& shown) {
   drop_unused_layers(folder, manifest);
   name_scalar_layer(manifest);
+  return write_package_manifest(folder, manifest, shown);
+}
+
+Result<std::uint64_t> write_package_manifest(const fs::path& folder, const Manifest& manifest,
+                                             const fs::path& shown) {
   const std::string text = write_manifest(manifest);
+  if (text.size() > kMaxManifestBytes) {
+    return fail(
+        ErrorCode::limit,
+        fmt::format("{}: {} would have {} bytes, and readers take at most {}; make packages "
+                    "of fewer frames",
+                    shown.string(), kManifestName, text.size(), kMaxManifestBytes));
+  }
   if (const auto parsed = parse_manifest(text); !parsed) {
     return fail_at("the package would not be valid", parsed.error());
   }

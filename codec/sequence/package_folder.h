@@ -23,4 +23,9 @@ Result<void> may_replace_package(const std::filesystem::path& folder);
 Result<std::uint64_t> finish_package(const std::filesystem::path& folder, Manifest& manifest,
                                      const std::filesystem::path& shown);
 
+/// The same for a manifest that stays as it is. Error `limit` if it gets too long.
+Result<std::uint64_t> write_package_manifest(const std::filesystem::path& folder,
+                                             const Manifest& manifest,
+                                             const std::filesystem::path& shown);
+
 }  // namespace pointreel

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -84,7 +85,61 @@ class OpusReader::Impl {
     return read;
   }
 
+  Head head() const {
+    const OpusHead& head = *op_head(file_, -1);
+    return {head.channel_count, head.pre_skip, head.output_gain, head.mapping_family == 0};
+  }
+
+  Result<Packets> packets() {
+    op_set_decode_callback(file_, &Impl::take, this);
+    taken_ = {};
+    // There is room for the longest packet, so that nothing of one is left for the next call.
+    std::vector<StereoSample> unused(5760);
+    const Result<Read> read = this->read(unused);
+    op_set_decode_callback(file_, nullptr, nullptr);
+    if (!read) return tl::unexpected(read.error());
+    taken_.hole = read->hole;
+    number_taken();
+    return std::move(taken_);
+  }
+
  private:
+  static constexpr std::int64_t kFarthest = std::int64_t{1} << 60;
+
+  /// From the granule positions of packets to the numbers of samples.
+  void number_taken() {
+    if (taken_.packets.empty()) return;
+    if (!zero_) {
+      zero_ = difference(taken_.packets.back().end, static_cast<std::int64_t>(position()));
+      last_end_ = -static_cast<std::int64_t>(head().skip);
+    }
+    for (Packet& packet : taken_.packets) {
+      // Positions in hostile files may be anything.
+      const std::int64_t end = std::clamp(difference(packet.end, *zero_), -kFarthest, kFarthest);
+      // The last packet may be heard in part only, and ends sooner.
+      packet.first = std::max(last_end_, difference(end, packet.samples));
+      packet.end = last_end_ = std::max(packet.first, end);
+    }
+  }
+
+  /// Modulo 2^64, as positions are.
+  static std::int64_t difference(std::int64_t a, std::int64_t b) {
+    return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
+  }
+
+  /// Takes a packet in place of decoding it.
+  static int take(void* self, OpusMSDecoder*, void* samples, const ogg_packet* packet, int count,
+                  int channels, int format, int) {
+    Impl& impl = *static_cast<Impl*>(self);
+    Packet& taken = impl.taken_.packets.emplace_back();
+    taken.bytes.assign(packet->packet, packet->packet + packet->bytes);
+    taken.samples = static_cast<std::uint32_t>(count);
+    taken.end = packet->granulepos;
+    const std::size_t size = format == OP_DEC_FORMAT_FLOAT ? sizeof(float) : sizeof(opus_int16);
+    std::memset(samples, 0, static_cast<std::size_t>(count * channels) * size);
+    return 0;
+  }
+
   tl::unexpected<Error> failed(int error) {
     if (error_) return tl::unexpected(*std::exchange(error_, std::nullopt));
     return fail(text_of(error));
@@ -130,6 +185,9 @@ class OpusReader::Impl {
   std::uint64_t searched_ = 0;  ///< bytes read since the call began
   std::optional<Error> error_;  ///< of read_at_
   OggOpusFile* file_ = nullptr;
+  Packets taken_;                     ///< by the present call of packets()
+  std::optional<std::int64_t> zero_;  ///< granule position of the first sample that is heard
+  std::int64_t last_end_ = 0;         ///< Packet::end of the packet taken last
 };
 
 OpusReader::OpusReader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -158,6 +216,8 @@ Result<void> OpusReader::seek(std::uint64_t sample) { return impl_->seek_to(samp
 Result<OpusReader::Read> OpusReader::read(std::span<StereoSample> buffer) {
   return impl_->read(buffer);
 }
+OpusReader::Head OpusReader::head() const { return impl_->head(); }
+Result<OpusReader::Packets> OpusReader::packets() { return impl_->packets(); }
 
 Result<void> read_exactly(OpusReader& reader, std::uint64_t first, std::span<StereoSample> to) {
   std::fill(to.begin(), to.end(), StereoSample{});

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
@@ -50,6 +51,32 @@ class OpusReader {
   };
   /// Decodes up to as many samples as the buffer has, usually fewer. Errors as for `open`.
   Result<Read> read(std::span<StereoSample> buffer);
+
+  /// What the decoder must know of the whole file.
+  struct Head {
+    int channels = 2;
+    std::uint32_t skip = 0;  ///< samples before the first that is heard
+    int gain = 0;            ///< in 1/256 dB
+    bool plain = true;       ///< one or two channels, without a table of what they are
+
+    bool operator==(const Head&) const = default;
+  };
+  Head head() const;
+
+  /// A packet as it is in the file.
+  struct Packet {
+    Bytes bytes;
+    std::uint32_t samples = 0;  ///< that it decodes to, 120 to 5,760
+    std::int64_t first = 0;     ///< number of the first of them, from -Head::skip to 2^60
+    std::int64_t end = 0;       ///< as far as it is heard, at most first + samples
+  };
+  struct Packets {
+    std::vector<Packet> packets;  ///< none at the end of the file
+    bool hole = false;            ///< something before them was left out, because it was damaged
+  };
+  /// The next packets, which are not decoded: those of a page at most, but for the first ones.
+  /// Only for a reader of which nothing was read, and that has not sought. Errors as for `open`.
+  Result<Packets> packets();
 
  private:
   class Impl;

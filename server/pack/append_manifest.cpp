@@ -24,6 +24,15 @@ const char* difference(const Manifest& a, const Manifest& b) {
 
 }  // namespace
 
+Manifest manifest_before(const Manifest& part) {
+  Manifest before;
+  static_cast<ReelHead&>(before) = part;
+  before.colors = before.normals = false;
+  before.scalars.clear();
+  before.tables = part.tables;
+  return before;
+}
+
 Result<void> append_manifest(Manifest& whole, Manifest part) {
   if (const char* what = difference(whole, part)) {
     return fail(ErrorCode::argument, fmt::format("the two reels have different {}", what));

@@ -20,6 +20,7 @@
 #include "server/commands.h"
 #include "server/encode/sequence_arguments.h"
 #include "server/pack/cleaning.h"
+#include "server/pack/frame_numbers.h"
 #include "server/pack/inspect.h"
 #include "server/store/store_options.h"
 
@@ -221,22 +222,6 @@ int run_verify(const std::string& reel, bool json, std::uint64_t max_memory, Htt
   return report->faults.empty() ? kExitOk : kExitFailed;
 }
 
-/// "A-B" or "A", where A and B are whole numbers and A <= B.
-std::optional<std::pair<std::uint32_t, std::uint32_t>> parse_frames(const std::string& text) {
-  const auto number = [](const std::string& digits) -> std::optional<std::uint32_t> {
-    if (digits.empty() || digits.size() > 9 ||
-        !std::all_of(digits.begin(), digits.end(), [](char c) { return c >= '0' && c <= '9'; })) {
-      return std::nullopt;
-    }
-    return static_cast<std::uint32_t>(std::stoul(digits));
-  };
-  const std::size_t dash = text.find('-');
-  const auto first = number(text.substr(0, dash));
-  const auto last = dash == std::string::npos ? first : number(text.substr(dash + 1));
-  if (!first || !last || *first > *last) return std::nullopt;
-  return std::pair(*first, *last);
-}
-
 /// What LAS files did not keep, in one line.
 std::string describe_lost(const std::vector<LostValues>& lost) {
   std::string parts;
@@ -253,10 +238,9 @@ std::string describe_lost(const std::vector<LostValues>& lost) {
 int run_unpack(UnpackOptions options, const std::string& frames, const std::string& input,
                HttpOptions http) {
   if (!frames.empty()) {
-    const auto range = parse_frames(frames);
+    const auto range = parse_frame_numbers(frames);
     if (!range) {
-      print_error(fmt::format(
-          "--frames {}: is neither a frame's number, from 0 on, nor A-B with A <= B", frames));
+      print_error(fault_of_frame_numbers(frames));
       return kExitUsage;
     }
     options.first_frame = range->first;

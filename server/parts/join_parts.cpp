@@ -15,6 +15,7 @@
 #include "pointreel/package.h"
 #include "server/pack/append_manifest.h"
 #include "server/pack/audio.h"
+#include "server/pack/link_or_copy.h"
 #include "server/parts/plan.h"
 
 namespace pointreel {
@@ -48,12 +49,8 @@ Result<Manifest> read_segments(const PackPlan& plan, const fs::path& folder) {
                               counted(segment->frame_count(), "frame"), plan.files_of(s).size()));
     }
     if (!whole) {
-      whole.emplace();
-      static_cast<ReelHead&>(*whole) = *segment;
-      whole->colors = whole->normals = false;
-      whole->scalars.clear();
+      whole = manifest_before(*segment);
       whole->duration_us = segment->duration_us;
-      whole->tables = segment->tables;
     }
     TRY(at_place(path.string(), append_manifest(*whole, std::move(*segment))));
   }
@@ -78,10 +75,7 @@ Result<void> put(const fs::path& from, const fs::path& to, const PackageFile& fi
                     "and run pack part again",
                     from.string(), bytes, file.bytes));
   }
-  if (!error) fs::create_hard_link(from, to, error);
-  if (error && fs::exists(from)) fs::copy_file(from, to, error);
-  if (error) return fail(ErrorCode::io, fmt::format("{}: {}", from.string(), error.message()));
-  return {};
+  return link_or_copy(from, to);
 }
 
 }  // namespace

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include <fmt/format.h>
-
+#include "common/stream/layer_file_name.h"
 #include "common/stream/reel_rules.h"
 
 namespace pointreel {
@@ -119,8 +118,7 @@ std::optional<LiveSegment> Segmenter::flush() {
 void name_files(LiveSegment& segment, const std::vector<std::string>& layers) {
   for (std::size_t i = 0; i < layers.size(); ++i) {
     LayerFile& file = segment.entry.layers[i];
-    file.path = fmt::format("{:08}.{}.{:08x}.prs", segment.entry.first_frame, layers[i],
-                            file.checksum >> 32);
+    file.path = layer_file_name(segment.entry.first_frame, layers[i], file.checksum);
   }
 }
 

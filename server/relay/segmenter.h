@@ -67,8 +67,7 @@ class Segmenter {
   std::uint8_t expected_layers_ = 0;  ///< layers of that frame, by its header
 };
 
-/// Names a segment's files, as in 00000030.base.511922c5.prs, after the number of its first frame,
-/// the layer, and the first half of the checksum.
+/// Names a segment's files, by layer_file_name.
 void name_files(LiveSegment& segment, const std::vector<std::string>& layers);
 
 /// What a manifest says about all its segments together.

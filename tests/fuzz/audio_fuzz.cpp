@@ -30,9 +30,29 @@ void read(OpusReader& reader) {
   }
 }
 
+/// Packets follow each other, and have the lengths that packets may have.
+void read_packets(const std::vector<std::uint8_t>& bytes) {
+  auto reader = OpusReader::open(bytes);
+  if (!reader) return;
+  const OpusReader::Head head = reader->head();
+  if (head.channels < 1 || head.skip > 65'535) std::abort();
+  std::int64_t end = -static_cast<std::int64_t>(head.skip);
+  for (;;) {
+    const auto got = reader->packets();
+    if (!got) return check(got.error());
+    if (got->packets.empty()) return;
+    for (const OpusReader::Packet& packet : got->packets) {
+      if (packet.first < end || packet.end < packet.first) std::abort();
+      if (packet.samples < 120 || packet.samples > 5'760) std::abort();
+      if (packet.bytes.size() > bytes.size()) std::abort();
+      end = packet.end;
+    }
+  }
+}
+
 }  // namespace
 
-/// Any bytes give samples from -1 to 1, from any place on, or an error of one line.
+/// Any bytes give packets, and samples from -1 to 1, from any place on, or an error of one line.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::vector<std::uint8_t> bytes(data, data + size);
   set_checksums(bytes);
@@ -42,6 +62,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   read(*reader);
+  read_packets(bytes);
   for (const std::uint64_t sample : {reader->samples() / 2, std::uint64_t{0}, reader->samples()}) {
     if (const auto sought = reader->seek(sample); !sought) {
       check(sought.error());

@@ -1,0 +1,122 @@
+#include "server/edit/cut_package.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "codec/sequence/package_folder.h"
+#include "common/audio/audio_time.h"
+#include "common/base/output_folder.h"
+#include "common/base/try.h"
+#include "common/base/words.h"
+#include "server/edit/put_segment.h"
+#include "server/edit/splice_sound.h"
+
+namespace pointreel {
+namespace {
+
+std::string seconds(std::uint64_t us) {
+  return number_text(static_cast<double>(us) * 1e-6, 9) + " s";
+}
+
+Result<FrameRange> frames_of(const CutOptions& options, const Manifest& manifest) {
+  const std::uint32_t count = manifest.frame_count();
+  if (count == 0) return fail(ErrorCode::argument, "has no frames");
+  if (options.frames) {
+    if (options.frames->last >= count) {
+      return fail(ErrorCode::argument, fmt::format("has no frame {}, only frames 0 to {}",
+                                                   options.frames->last, count - 1));
+    }
+    return *options.frames;
+  }
+  if (options.from_us >= manifest.duration_us && options.from_us > 0) {
+    return fail(ErrorCode::argument,
+                fmt::format("is over after {}, and nothing is left from {} on",
+                            seconds(manifest.duration_us), seconds(options.from_us)));
+  }
+  return FrameRange{frame_at(manifest, options.from_us), frame_at(manifest, options.to_us - 1)};
+}
+
+/// The share of what was done to all frames that falls to some of them.
+void share(std::optional<Cleaning>& cleaning, std::uint32_t some, std::uint32_t all) {
+  if (!cleaning || some == all) return;
+  const double part = static_cast<double>(some) / all;
+  cleaning->frames = static_cast<std::uint32_t>(std::lround(cleaning->frames * part));
+  cleaning->removed =
+      static_cast<std::uint64_t>(std::llround(static_cast<double>(cleaning->removed) * part));
+  if (cleaning->frames == 0) cleaning.reset();
+}
+
+/// Which segments are kept, and which time of the old package is when of the new one.
+struct Cut {
+  std::uint32_t first_segment = 0, end_segment = 0;
+  std::uint64_t begin_us = 0, end_us = 0;
+};
+
+Cut cut_at(const Manifest& manifest, FrameRange frames) {
+  Cut cut{locate(manifest, frames.first).segment, locate(manifest, frames.last).segment + 1, 0,
+          manifest.duration_us};
+  if (cut.first_segment > 0) cut.begin_us = manifest.segments[cut.first_segment].times_us.front();
+  if (cut.end_segment < manifest.segments.size())
+    cut.end_us = manifest.segments[cut.end_segment].times_us.front();
+  return cut;
+}
+
+/// The manifest of what is kept. Files have the names that they have in the old package.
+Manifest keep(const Manifest& manifest, const Cut& cut) {
+  Manifest kept = manifest;
+  kept.live.reset();
+  kept.audio.reset();
+  kept.duration_us = cut.end_us - cut.begin_us;
+  kept.segments.assign(manifest.segments.begin() + cut.first_segment,
+                       manifest.segments.begin() + cut.end_segment);
+  const std::uint32_t first = kept.segments.front().first_frame;
+  for (Segment& segment : kept.segments) {
+    segment.first_frame -= first;
+    for (std::uint64_t& time : segment.times_us) time -= cut.begin_us;
+  }
+  share(kept.cleaning, kept.frame_count(), manifest.frame_count());
+  return kept;
+}
+
+Result<std::optional<AudioFile>> cut_sound(const CutOptions& options, const AudioFile& audio,
+                                           const Cut& cut, const std::filesystem::path& folder,
+                                           const std::stop_token& stop) {
+  const std::uint64_t first = first_sample_from(cut.begin_us), end = first_sample_from(cut.end_us);
+  if (first >= std::min(end, audio.samples)) return std::nullopt;
+  const std::array piece{SoundPiece{TRY(options.input.local(audio)), options.input.shown(audio),
+                                    audio.bytes, first, 0, end - first}};
+  return splice_sound(piece, folder, stop);
+}
+
+}  // namespace
+
+Result<CutReport> cut_package(const CutOptions& options, const std::stop_token& stop) {
+  const Manifest manifest = TRY(options.input.manifest());
+  const FrameRange wanted = TRY(at_place(options.input.shown(), frames_of(options, manifest)));
+  const Cut cut = cut_at(manifest, wanted);
+  Manifest kept = keep(manifest, cut);
+  OutputFolder folder = TRY(OutputFolder::create(
+      options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));
+  for (Segment& segment : kept.segments) {
+    if (stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
+    TRY(put_segment(options.input, folder.path(), kept.layer_names, segment));
+  }
+  if (kept.tables) TRY(put_file(options.input, *kept.tables, folder.path(), kept.tables->path));
+  if (manifest.audio)
+    kept.audio = TRY(cut_sound(options, *manifest.audio, cut, folder.path(), stop));
+  CutReport report;
+  report.frames.first = manifest.segments[cut.first_segment].first_frame;
+  report.frames.last = report.frames.first + kept.frame_count() - 1;
+  report.segments = cut.end_segment - cut.first_segment;
+  report.audio = kept.audio;
+  report.bytes = TRY(write_package_manifest(folder.path(), kept, options.output));
+  for (const PackageFile* file : kept.files()) report.bytes += file->bytes;
+  TRY(folder.publish());
+  return report;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pointreel/error.h"
+#include "pointreel/package.h"
+#include "server/store/package_files.h"
+
+/// What cut_package and join_packages share.
+namespace pointreel {
+
+/// Puts a file of one package into the folder of another, which has the same bytes under its name.
+/// Errors begin with the file: `io`, or `invalid` if it has not the size that the manifest says.
+Result<void> put_file(const PackageFiles& from, const PackageFile& file,
+                      const std::filesystem::path& folder, const std::string& name);
+
+/// Puts the files of a segment into the folder of another package. `segment` is that of the new
+/// package, but for the names of its files, which are made anew: they begin with the number of its
+/// first frame.
+Result<void> put_segment(const PackageFiles& from, const std::filesystem::path& folder,
+                         const std::vector<std::string>& layer_names, Segment& segment);
+
+}  // namespace pointreel

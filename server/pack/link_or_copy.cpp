@@ -1,0 +1,22 @@
+#include "server/pack/link_or_copy.h"
+
+#include <system_error>
+
+#include <fmt/format.h>
+
+namespace pointreel {
+namespace fs = std::filesystem;
+
+Result<void> link_or_copy(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  // A link to a symbolic link would lead elsewhere from another folder.
+  if (!fs::is_symlink(from, error)) {
+    fs::create_hard_link(from, to, error);
+    if (!error) return {};
+  }
+  fs::copy_file(from, to, error);
+  if (error) return fail(ErrorCode::io, fmt::format("{}: {}", from.string(), error.message()));
+  return {};
+}
+
+}  // namespace pointreel

@@ -36,17 +36,24 @@ const options = (mode) => Buffer.from(Float64Array.of(mode, 21, -1, 0, 64 << 20,
 // PrView: camera, width, height, pixel_size, widen, mode, color, fill_holes, refine, place
 const view = (mode) => Buffer.from(Float64Array.of(0.5, 0.5, 0.5, 3, 0, 0, 0.7, 1, 2, 320, 240, 1, 1.1, mode, 0, 1, random(2), 0, 0, 0).buffer);
 
+// PrScalar: least, most, known, source
+const scalar = () => Buffer.from(Float64Array.of(random(2) ? NaN : 1, 2, random(2), 0, 10, random(2)).buffer);
+const FIELDS = ["", "class", "height", "patchy"].map((name) => Buffer.from(name));
+
 let frames = 0, prepared = 0;
 for (const end = Date.now() + 20_000; Date.now() < end; ++frames) {
   const name = names[frames % names.length];
   const chunks = mutate(readFrame(`${streams}/${name}`));
   const mode = random(3);
   try {
-    const error = module.with(options(mode), (how) =>
-      module.withFrame(chunks, chunks.length / 3, (...frame) => module.x.pr_prepare(1, ...frame, 0, how)));
+    const field = FIELDS[random(FIELDS.length)];
+    const error = module.with(options(mode), (how) => module.with(field, (name) => module.with(scalar(), (range) =>
+      module.withFrame(chunks, chunks.length / 3,
+                       (...frame) => module.x.pr_prepare(1, ...frame, 0, how, name, field.length, range)))));
     if (error === 0) {
       ++prepared;
       assert.notStrictEqual(module.with(view(mode), (at) => module.x.pr_pack(1, at)), 0);
+      assert.match(module.text(module.x.pr_legend(1)), /^$|^(class|height|patchy)\n(ramp|labels)(\n[0-9a-f]{6} .*)*$/);
     } else {
       assert.match(module.error(), /^[^\n]+$/);
     }

@@ -1,5 +1,6 @@
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #define XXH_INLINE_ALL
@@ -23,6 +24,9 @@ struct Outcome {
 static_assert(sizeof(Outcome) == 7 * 8);
 
 namespace {
+
+std::string fields;
+std::vector<std::uint64_t> hashes;
 
 template <class T>
 std::uint64_t hash(const std::vector<T>& values) {
@@ -58,5 +62,13 @@ PR_EXPORT(const Outcome*, pr_test_outcome)
              hash(golden::cells_of(*frame, depth)),
              hash(frame->cloud.colors),
              hash(frame->cloud.normals)};
+  fields.clear();
+  for (const ScalarField& field : frame->cloud.scalars) fields += field.name + '\n';
+  hashes.clear();
+  for (const ScalarField& field : frame->cloud.scalars) hashes.push_back(hash(field.values));
   return &outcome;
 }
+
+/// Of the last outcome: the names of scalar fields, in lines, and the XXH3 of the values of each.
+PR_EXPORT(const char*, pr_test_fields)() { return fields.c_str(); }
+PR_EXPORT(const std::uint64_t*, pr_test_field_hashes)() { return hashes.data(); }

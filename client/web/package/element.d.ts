@@ -1,5 +1,6 @@
 // <pointreel-player>: the interface of player/element.js. The names that <video> has, too, mean what they mean there.
 
+export type Light = "flat" | "studio" | "environment";
 export type Mode = "surfel" | "voxel" | "point" | "strip";
 
 /** The events of HTMLMediaElement, and these. */
@@ -25,6 +26,18 @@ export declare class PointreelPlayer extends HTMLElement {
   /** At first, whether there is an attribute `muted`. */
   muted: boolean;
   mode: Mode;
+  /**
+   * What colours show: "colors", "normals", "plain", "curvature", "accessibility", "depth", "contours", or the name of a
+   * scalar field. Empty for "colors".
+   */
+  color: string;
+  /** The values at the ends of a scalar field's ramp, "0,255"; empty for those of the source. */
+  colorRange: string;
+  light: Light;
+  /** The address of a picture of light, an equirectangular .hdr file; empty for none. With one, `light` is "environment" at first. */
+  environment: string;
+  /** Of surfaces in the light of a studio or an environment: 0.2, with small and bright highlights, to 1. */
+  roughness: number;
   /** Where live streams stand: "-0.6,0,0 0.6,0,0", in the units of the sources. */
   places: string;
   /** What a server wants to see before it answers. */

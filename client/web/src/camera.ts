@@ -16,6 +16,8 @@ export interface Eye {
 export interface Viewpoint {
   /** Computes where in the picture things lie. */
   readonly module: Module;
+  /** PrCamera, of somebody who looks from there in the same direction and holds his head upright. */
+  readonly upright: Float64Array;
   /** Relative to an origin near the scene, for pictures of this width over height. */
   seenFrom(origin: Vec3, aspect: number): Eye;
 }
@@ -39,6 +41,7 @@ export class Camera implements Viewpoint {
     this.state.set(this.module.doubles(at!, 9));
   }
 
+  get upright(): Float64Array { return this.state; }
   get up(): number { return this.state[8]!; }
   get distance(): number { return this.state[3]!; }
   get yaw(): number { return this.state[4]!; }

@@ -7,7 +7,7 @@ import { load, loadWhole } from "./loading";
 import { Box, FrameFacts, isEmpty, Module, Vec3, viewBox } from "./module";
 import { MadeFrame, ReelPlayback } from "./playback";
 import { Assets, Pool } from "./pool";
-import { Reel } from "./reel";
+import { Reel, ScalarRange } from "./reel";
 import { Sound, Soundtrack } from "./sound";
 
 export interface ContentOptions {
@@ -138,6 +138,11 @@ export class Content {
       const box = viewBox(this.module, moved(bounds, place.map((v) => -v)), first.boxes);
       return moved(box, place);
     }));
+  }
+  /** Of all parts, without repetition of names. */
+  get scalars(): ScalarRange[] {
+    const all = this.reel ? this.reel.reel.scalars : this.live.flatMap((live) => live.scalars);
+    return all.filter(({ name }, i) => all.findIndex((other) => other.name === name) === i);
   }
   /** The frames to draw. */
   shown(): MadeFrame[] {

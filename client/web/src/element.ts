@@ -2,7 +2,9 @@
 import type { PointreelPlayer as Declared } from "../package/element";
 import { Controls } from "./controls/controls";
 import { element } from "./controls/dom";
-import { MODES, Mode } from "./module";
+import { coloringOf, roughnessOf } from "./colors";
+import { drawLegend } from "./legend";
+import { Light, LIGHTS, MODES, Mode } from "./module";
 import { Player, PlayerEvent } from "./player";
 import { placesOf, sourcesOf } from "./sources";
 import style from "./style.css";
@@ -42,11 +44,14 @@ interface Starting {
 
 /** The attributes, properties and events are those of package/element.d.ts. */
 export class PointreelPlayer extends HTMLElement implements Declared {
-  static readonly observedAttributes = ["src", "loop", "controls", "mode", "poster"];
+  static readonly observedAttributes = ["src", "loop", "controls", "mode", "poster", "color", "color-range", "light", "environment",
+                                        "roughness"];
   readonly player: Player;
   private readonly canvas = element("canvas", { role: "img", tabindex: "0", "aria-label": "Moving point cloud" });
   private readonly spinner = element("div", { class: "spinner" });
   private picture: HTMLImageElement | null = null;
+  private legend: HTMLCanvasElement | null = null;
+  private legendOf = "";
   private controlsShown: Controls | null = null;
   private observer: ResizeObserver | null = null;
   private hasLoaded = false;
@@ -91,6 +96,9 @@ export class PointreelPlayer extends HTMLElement implements Declared {
     if (name === "src" && this.isConnected) this.load();
     if (name === "loop" && this.player.isOpen) this.player.setLoop(this.loop);
     if (name === "mode") this.player.set({ mode: this.mode });
+    if (name.startsWith("color")) this.player.set(coloringOf(this.color, this.colorRange));
+    if (name === "light" || name === "environment") this.player.set({ light: this.light, environment: this.environment });
+    if (name === "roughness") this.player.set({ roughness: this.roughness });
     if (name === "controls") this.showControls();
     if (name === "poster") this.showPoster();
   }
@@ -116,6 +124,21 @@ export class PointreelPlayer extends HTMLElement implements Declared {
     if (!this.poster || this.player.pictures > 0) return;
     this.picture = element("img", { class: "poster", src: this.poster, alt: "" });
     this.canvas.after(this.picture);
+  }
+
+  private showLegend(): void {
+    const legend = this.player.legend, text = JSON.stringify(legend);
+    if (text === this.legendOf) return;
+    this.legendOf = text;
+    this.legend?.remove();
+    this.legend = null;
+    if (!legend) return;
+    const ratio = window.devicePixelRatio || 1, made = drawLegend(legend, ratio);
+    made.className = "legend";
+    made.style.width = `${made.width / ratio}px`;
+    made.style.height = `${made.height / ratio}px`;
+    this.canvas.after(made);
+    this.legend = made;
   }
 
   load(): void {
@@ -149,6 +172,7 @@ export class PointreelPlayer extends HTMLElement implements Declared {
       this.spinner.hidden = true;
       this.failure = new Error(this.player.error ?? "unknown");
     }
+    if (name === "timeupdate") this.showLegend();
     if (name === "waiting") this.spinner.hidden = this.player.pictures > 0;
     if (name === "playing") this.spinner.hidden = true;
     if (name === "ended") this.hasEnded = true;
@@ -228,6 +252,18 @@ export class PointreelPlayer extends HTMLElement implements Declared {
   set muted(muted: boolean) { this.player.setVolume(this.volume, muted); }
   get mode(): Mode { return MODES.find((mode) => mode === this.getAttribute("mode")) ?? "surfel"; }
   set mode(value: Mode) { this.setAttribute("mode", value); }
+  get color(): string { return this.getAttribute("color") ?? ""; }
+  set color(value: string) { this.setAttribute("color", value); }
+  get colorRange(): string { return this.getAttribute("color-range") ?? ""; }
+  set colorRange(value: string) { this.setAttribute("color-range", value); }
+  get light(): Light {
+    return LIGHTS.find((light) => light === this.getAttribute("light")) ?? (this.environment ? "environment" : "flat");
+  }
+  set light(value: Light) { this.setAttribute("light", value); }
+  get environment(): string { return this.getAttribute("environment") ?? ""; }
+  set environment(value: string) { this.setAttribute("environment", value); }
+  get roughness(): number { return roughnessOf(this.getAttribute("roughness")); }
+  set roughness(value: number) { this.setAttribute("roughness", String(value)); }
 
   get places(): string { return this.getAttribute("places") ?? ""; }
   set places(value: string) { this.setAttribute("places", value); }

@@ -3,13 +3,13 @@ import { DECODE_BYTES } from "./device";
 import { refusal } from "./fetching";
 import { Hold } from "./live_sound/hold";
 import type { StreamSound } from "./live_sound/stream_sound";
-import { Box, encode, Module, Vec3 } from "./module";
+import { Box, encode, Module, Vec3, WHOLE_FRAME } from "./module";
 import { MadeFrame } from "./playback";
 import { LostJob, Pool } from "./pool";
-import { Look, prepareOptions, viewOf } from "./view";
+import { reelInfo, ScalarRange, scalarsOf } from "./reel";
+import { kindOf, Look, preparation, viewOf } from "./view";
 
 const BAD = 0, HELLO = 1, END = 3;  // PrMessage
-const WHOLE = 21;
 const DRACO = 2;  // PrReelInfo::codec
 const SOUND = 0x31535250;  // how a packet of sound begins: PRS1
 const isSound = (data: ArrayBuffer): boolean => data.byteLength >= 4 && new DataView(data).getUint32(0, true) === SOUND;
@@ -22,6 +22,7 @@ export class LivePlayback {
   shown: MadeFrame | null = null;
   bounds: Box | null = null;
   up = 2;
+  scalars: readonly ScalarRange[] = [];
   /** What is wrong, or null. */
   error: string | null = null;
   playing = true;
@@ -167,8 +168,9 @@ export class LivePlayback {
     this.error = null;
     const reel = this.module.call("pr_live_reel", this.handle);
     if (reel === 0) return;
-    const info = this.module.doubles(this.module.call("pr_reel_info", reel), 24);
+    const info = reelInfo(this.module, reel);
     this.up = info[8]!;
+    this.scalars = scalarsOf(this.module, reel);
     this.poolFor(info[3] === DRACO).then((pool) => {
       if (this.closed || this.pool === pool) return;
       this.pool = pool;
@@ -192,13 +194,13 @@ export class LivePlayback {
     const f = this.module.doubles(found, 7), worker = pool.idlest(), life = pool.life(worker);
     const bytes = this.module.bytes(f[4]!, f[5]!).slice();
     const sizes = Uint32Array.from(this.module.ints(f[6]!, 3 * f[2]!));
-    const options = prepareOptions(look, WHOLE, f[0]!, f[1]!, [0, 0, 0, 1], DECODE_BYTES);
-    const key = nextKey++, { mode, color, number } = look, shownAt = { capture: f[1]! / 1000, held: this.hold.held };
+    const how = preparation(look, WHOLE_FRAME, f[0]!, f[1]!, [0, 0, 0, 1], DECODE_BYTES, this.scalars);
+    const key = nextKey++, { number } = look, shownAt = { capture: f[1]! / 1000, held: this.hold.held };
     this.busy = true;
-    pool.prepare(worker, key, bytes, sizes, 0, options, viewOf(look, this.place)).then((done) => {
+    pool.prepare(worker, key, bytes, sizes, 0, how, viewOf(look, this.place)).then((done) => {
       const old = this.shown;
       if (old && old.life === pool.life(old.worker)) pool.drop(old.worker, [old.key]);
-      this.shown = { frame: f[0]!, worker, life, key, layers: f[2]!, level: WHOLE, mode, color,
+      this.shown = { ...kindOf(look), frame: f[0]!, worker, life, key, layers: f[2]!, level: WHOLE_FRAME,
                      facts: done.facts, packed: done.packed, look: number, times: done.times };
       this.shownAt = shownAt;
       this.frames += 1;

@@ -24,6 +24,10 @@ export interface Prepare {
   tables: number;
   /** PrPrepare. */
   options: Float64Array;
+  /** The name of the scalar field to show, or nothing. */
+  field: string;
+  /** PrScalar. */
+  scalar: Float64Array;
   /** PrView. */
   view: Float64Array;
 }

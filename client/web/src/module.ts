@@ -9,8 +9,11 @@ type Exports = Record<string, (...args: number[]) => number>;
 export const MODES = ["surfel", "voxel", "point", "strip"] as const;
 export type Mode = (typeof MODES)[number];
 /** Numbers of PrColor. */
-export const COLORS = ["colors", "normals", "plain"] as const;
+export const COLORS = ["colors", "normals", "plain", "curvature", "accessibility", "depth", "contours"] as const;
 export type ColorSource = (typeof COLORS)[number];
+/** Numbers of PrLight. */
+export const LIGHTS = ["flat", "studio", "environment"] as const;
+export type Light = (typeof LIGHTS)[number];
 export const WHOLE_FRAME = 21;
 
 /** An instance of the module: its memory, and calls that turn errors into exceptions. */
@@ -88,6 +91,17 @@ export class Module {
     });
     return places.map((place) => this.room + place);
   }
+  /** Calls `use` with a copy of so many bytes that their room should not be kept. */
+  withBytes<Result>(bytes: Uint8Array, use: (at: number) => Result): Result {
+    const at = this.call("pr_alloc", bytes.length);
+    if (at === 0) throw new ModuleError("there is not enough memory");
+    try {
+      this.bytes(at, bytes.length).set(bytes);
+      return use(at);
+    } finally {
+      this.call("pr_free", at);
+    }
+  }
   /** What a call has changed of what was put. */
   get heap(): ArrayBuffer { return this.memory.buffer; }
 }
@@ -140,6 +154,8 @@ export interface FrameFacts {
   boxes: Float64Array;
   /** In more detail, they may be others. */
   roughBoxes: boolean;
+  /** Of pr_legend. */
+  legend: string;
 }
 
 export function frameFacts(module: Module, key: number): FrameFacts {
@@ -148,6 +164,7 @@ export function frameFacts(module: Module, key: number): FrameFacts {
     index: f[0]!, timeUs: f[1]!, points: f[2]!, layers: f[3]!, level: f[4]!, depth: f[5]!,
     elements: f[6]!, isCloud: f[7] !== 0, normalsEstimated: f[8] !== 0, memory: f[9]!,
     boxes: f.slice(10, 22), roughBoxes: f[22] !== 0,
+    legend: module.text(module.call("pr_legend", key)),
   };
 }
 

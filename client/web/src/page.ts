@@ -30,8 +30,9 @@ function sources(): string | null {
 
 function show(src: string): void {
   const player = element("pointreel-player", { controls: "", tabindex: "-1" }) as PointreelPlayer;
-  const { seconds, mode, view } = readFragment(location.hash);
+  const { seconds, mode, view, drawing } = readFragment(location.hash);
   if (mode) player.mode = mode;
+  for (const [name, value] of drawing) player.setAttribute(name, value);
   if (seconds !== undefined) player.currentTime = seconds;
   player.player.set({ floor: true });
   player.player.firstView = view ?? null;
@@ -45,7 +46,7 @@ function show(src: string): void {
   const note = () => {
     const live = player.player.isLive;
     // The token stays out of links that are shared.
-    history.replaceState(null, "", writeFragment(live ? null : player.currentTime, player.player.settings.mode, player.player.camera));
+    history.replaceState(null, "", writeFragment(live ? null : player.currentTime, player.player.settings, player.player.camera));
   };
   player.addEventListener("link", note);
   let timer = 0;

@@ -4,17 +4,17 @@ import { DECODE_BYTES, FRAME_BYTES, STORE_BYTES } from "./device";
 import { Fetcher } from "./fetching";
 import { LayerStore } from "./layer_store";
 import { Times } from "./messages";
-import { FrameFacts, Mode, ColorSource, Packed } from "./module";
+import { FrameFacts, Packed, WHOLE_FRAME } from "./module";
 import { LostJob, Pool } from "./pool";
 import { LayerControl, Layers, Reel } from "./reel";
-import { Look, prepareOptions, viewOf } from "./view";
+import { fits, Kind, kindOf, Look, preparation, viewOf } from "./view";
 
 const FETCH_AHEAD = 2;  // seconds
 const MAKE_AHEAD = 8;   // frames
 const RESUME = 0.1;     // seconds that must have come after a stall
 
 /** A frame that is ready to draw, and what was packed of it last. */
-export interface MadeFrame {
+export interface MadeFrame extends Kind {
   frame: number;
   worker: number;
   life: number;
@@ -22,8 +22,6 @@ export interface MadeFrame {
   layers: number;
   /** What was wanted when it was made. */
   level: number;
-  mode: Mode;
-  color: ColorSource;
   facts: FrameFacts;
   packed: Packed;
   look: number;
@@ -113,7 +111,7 @@ export class ReelPlayback {
     const reading = this.clock.read(), state = this.clock.state();
     if (look.number !== this.levelLook) {
       this.levelLook = look.number;
-      this.level = this.reel.levelFor(look.camera, look.width, look.height);
+      this.level = look.scalar ? WHOLE_FRAME : this.reel.levelFor(look.camera, look.width, look.height);
     }
     this.decide(look, state.speed, state.playing);
     const upcoming = this.upcoming(reading.frame, state.speed < 0 ? -1 : 1, state.loop, state.range);
@@ -155,9 +153,9 @@ export class ReelPlayback {
         now / 1000, Number(playing && !this.scrubbing),
         1 / (Math.max(this.reel.fps, 1e-3) * Math.abs(speed)),
         Math.min(1, fetched / window), Math.min(fetched, ahead) / ahead, Math.min(made, ahead) / ahead,
-        this.ahead.next), look.mode, look.color === "normals");
+        this.ahead.next), kindOf(look));
     }
-    const decision = this.control.decide(look.mode, this.level, look.color === "normals");
+    const decision = this.control.decide(kindOf(look), this.level);
     this.wanted = decision.layers;
     this.limit = decision.limit;
   }
@@ -179,9 +177,8 @@ export class ReelPlayback {
   }
 
   private isGood(made: MadeFrame | undefined, look: Look, end: number): boolean {
-    return !!made && made.mode === look.mode && made.life === this.pool.life(made.worker) &&
-      made.layers >= end && (made.level >= this.level || made.facts.level >= this.level) &&
-      (made.color === "normals" || look.color !== "normals");
+    return !!made && fits(made, look) && made.life === this.pool.life(made.worker) &&
+      made.layers >= end && (made.level >= this.level || made.facts.level >= this.level);
   }
 
   private make(look: Look, frame: number, upcoming: readonly number[]): void {
@@ -204,15 +201,15 @@ export class ReelPlayback {
 
   private makeOne(look: Look, frame: number, end: number, worker: number): void {
     const { bytes, sizes } = this.store.chunks(frame, this.wanted, end);
-    const segment = this.reel.segment(frame), key = nextKey++, { mode, color, number } = look;
+    const segment = this.reel.segment(frame), key = nextKey++, { number } = look;
     const level = this.level, life = this.pool.life(worker);
-    const options = prepareOptions(look, level, frame, this.reel.timesUs[frame]!, segment.cube, DECODE_BYTES);
+    const how = preparation(look, level, frame, this.reel.timesUs[frame]!, segment.cube, DECODE_BYTES, this.reel.scalars);
     this.making.set(frame, end);
-    this.pool.prepare(worker, key, bytes, sizes, this.tables, options, viewOf(look)).then((done) => {
+    this.pool.prepare(worker, key, bytes, sizes, this.tables, how, viewOf(look)).then((done) => {
       this.control.made(end, done.times.prepareMs);
       const old = this.made.get(frame);
       if (old) this.drop(old);
-      this.made.set(frame, { frame, worker, life, key, layers: end, level, mode, color, facts: done.facts,
+      this.made.set(frame, { ...kindOf(look), frame, worker, life, key, layers: end, level, facts: done.facts,
                              packed: done.packed, look: number, times: done.times });
     }).catch((error: Error) => {
       if (error instanceof LostJob) return;

@@ -1,11 +1,15 @@
 // A canvas that plays a reel or live streams. Without controls: element.ts has those.
 import { Camera } from "./camera";
+import { isShadedLate, ScalarChoice } from "./colors";
 import { Content, ContentOptions } from "./content";
+import { Environment } from "./environment";
 import { Headset } from "./headset";
+import { drawLegend, Legend, readLegend } from "./legend";
 import type { LivePlayback } from "./live";
-import { Box, ColorSource, Mode, Vec3 } from "./module";
+import { Box, ColorSource, Light, Mode, Vec3 } from "./module";
 import type { MadeFrame, ReelPlayback } from "./playback";
 import { contextOf, DrawOptions, Renderer, ScenePart } from "./renderer/renderer";
+import type { ScalarRange } from "./reel";
 import type { Soundtrack } from "./sound";
 import { Look } from "./view";
 import { WholeView } from "./whole_view";
@@ -13,6 +17,14 @@ import { WholeView } from "./whole_view";
 export interface Settings {
   mode: Mode;
   color: ColorSource;
+  /** In place of colours; counts with the color "colors". */
+  scalar: ScalarChoice | null;
+  light: Light;
+  /** From LEAST_ROUGHNESS to 1; for other than flat light. */
+  roughness: number;
+  /** The address of a picture of light (.hdr), or nothing. Until it has come, light is flat. */
+  environment: string;
+  /** With flat light: one over the viewer's shoulder. */
   lighting: boolean;
   fillHoles: boolean;
   smoothOutlines: boolean;
@@ -23,7 +35,8 @@ export interface Settings {
   background: Vec3;
 }
 export const DEFAULTS: Readonly<Settings> = {
-  mode: "surfel", color: "colors", lighting: true, fillHoles: true, smoothOutlines: true, floor: false,
+  mode: "surfel", color: "colors", scalar: null, light: "flat", roughness: 0.5, environment: "", lighting: true,
+  fillHoles: true, smoothOutlines: true, floor: false,
   pointSize: 2, adaptivePoints: true, background: [0x1c / 255, 0x1f / 255, 0x24 / 255],
 };
 
@@ -31,6 +44,7 @@ export const DEFAULTS: Readonly<Settings> = {
 const MOVES = 150;
 const SLOW_MS = 45;
 const LARGEST_POINT = 64;  // pixels, with adaptive points
+const LEGEND_MARGIN = 12, LEGEND_REFERENCE = 540;  // pixels; the height of a saved picture that does not enlarge its legend
 
 export type PlayerEvent =
   "loadedmetadata" | "firstpicture" | "play" | "pause" | "seeking" | "seeked" | "timeupdate" | "waiting" |
@@ -64,6 +78,7 @@ export class Player {
   onEvent: (name: PlayerEvent) => void = () => undefined;
   private renderer: Renderer | null = null;
   private content: Content | null = null;
+  private environment: Environment | null = null;
   /** Null for the canvas. */
   display: Display | null = null;
   private seen: WholeView | null = null;
@@ -103,7 +118,31 @@ export class Player {
   get traffic(): { bytes: number; requests: number } { return this.content?.traffic ?? { bytes: 0, requests: 0 }; }
   get memory(): number { return this.content?.memory ?? 0; }
   /** What is wrong at the moment, in one line, or null. */
-  get trouble(): string | null { return this.error ?? this.content?.trouble ?? null; }
+  get trouble(): string | null {
+    const { color, light } = this.settings, lacksLight = this.renderer?.canShade === false && isShadedLate(color, light);
+    return this.error ?? this.content?.trouble ?? this.missingField() ?? this.environment?.trouble ??
+      (lacksLight ? "this graphics driver cannot draw light and false colours" : null);
+  }
+
+  /** The scalar fields of what is open, as far as they are known. */
+  get scalars(): readonly ScalarRange[] { return this.content?.scalars ?? []; }
+  /** The scalar field that is asked for. */
+  private get scalar(): ScalarChoice | null { return this.settings.color === "colors" ? this.settings.scalar : null; }
+  private get light(): Light {
+    const { light } = this.settings;
+    return light === "environment" && !this.environment?.handle ? "flat" : light;
+  }
+  private missingField(): string | null {
+    const { scalar, scalars } = this;
+    if (!scalar || !this.reel || scalars.some(({ name }) => name === scalar.field)) return null;
+    return `there is no scalar field "${scalar.field}"; ` +
+      (scalars.length > 0 ? `there are ${scalars.map(({ name }) => name).join(", ")}` : "there are none");
+  }
+  /** What the colours of the picture mean, if they stand for values. */
+  get legend(): Legend | null {
+    const shown = this.painted.find(({ facts }) => facts.legend !== "");
+    return shown ? readLegend(shown.facts.legend) : null;
+  }
 
   /** As Content.open. */
   async open(sources: readonly string[], token: string | null, options: ContentOptions): Promise<void> {
@@ -122,6 +161,8 @@ export class Player {
       this.content = opened;
       opened.setVolume(this.loudness, this.isMuted);
       this.camera = new Camera(opened.module, opened.up);
+      this.environment ??= new Environment(opened.module, () => this.set({}));
+      this.environment.follow(this.settings.environment);
       if (this.reel) {
         this.lookHome();
         if (this.firstView) this.applyFirstView();
@@ -162,6 +203,8 @@ export class Player {
     this.close();
     cancelAnimationFrame(this.scheduled);
     this.scheduled = 0;
+    this.environment?.free();
+    this.environment = null;
     const { renderer, shared } = this;
     this.renderer = null;
     if (!renderer) return;
@@ -243,6 +286,7 @@ export class Player {
 
   set(settings: Partial<Settings>): void {
     Object.assign(this.settings, settings);
+    this.environment?.follow(this.settings.environment);
     this.lookNumber += 1;
     this.dirty = true;
     this.onEvent("settingschange");
@@ -292,11 +336,22 @@ export class Player {
     if (!this.display) this.tick();
   }
 
-  /** The picture as it is shown, in full quality. */
+  /** The picture as it is shown, in full quality, with its legend. */
   async still(): Promise<Blob> {
     this.reduction = 1;
     this.paint();
-    return new Promise((resolve, reject) => this.canvas.toBlob(
+    const { legend, canvas } = this;
+    let picture = canvas;
+    if (legend) {
+      const key = drawLegend(legend, Math.max(1, Math.floor(canvas.height / LEGEND_REFERENCE)));
+      picture = document.createElement("canvas");
+      picture.width = canvas.width;
+      picture.height = canvas.height;
+      const pen = picture.getContext("2d")!;
+      pen.drawImage(canvas, 0, 0);
+      pen.drawImage(key, LEGEND_MARGIN, canvas.height - key.height - LEGEND_MARGIN);
+    }
+    return new Promise((resolve, reject) => picture.toBlob(
       (blob) => (blob ? resolve(blob) : reject(new Error("the picture cannot be saved"))), "image/png"));
   }
 
@@ -335,9 +390,10 @@ export class Player {
     const seen = this.display?.view() ?? null;
     if (seen !== this.seen) this.lookNumber += 1;
     this.seen = seen;
-    const { mode, color, fillHoles } = this.settings;
+    const { mode, color, fillHoles } = this.settings, { light } = this;
     return { camera: seen?.camera ?? this.camera!, width: seen?.size ?? this.canvas.width,
-             height: seen?.size ?? this.canvas.height, mode, color, fillHoles, refine: resting && mode === "surfel", number: this.lookNumber };
+             height: seen?.size ?? this.canvas.height, mode, color, light, scalar: this.scalar, fillHoles,
+             refine: resting && mode === "surfel", number: this.lookNumber };
   }
   private rested = false;
 
@@ -398,7 +454,7 @@ export class Player {
     const mode = parts[0]?.mode ?? this.settings.mode;
     const side = renderer.largestSide, r = Math.max(this.reduction, Math.ceil(Math.max(canvas.width, canvas.height) / side));
     const options: DrawOptions = {
-      ...this.settings, mode, pointSize: this.settings.pointSize * (window.devicePixelRatio || 1) / r,
+      ...this.settings, light: this.light, environment: this.environment?.handle ?? 0, mode, pointSize: this.settings.pointSize * (window.devicePixelRatio || 1) / r,
       largestPoint: this.settings.adaptivePoints ? LARGEST_POINT / r : 0,
       floor: this.settings.floor && bounds ? { box: bounds, camera } : null,
     };

@@ -1,6 +1,7 @@
 // The workers: who does which job, and what is done about one that traps or hangs.
 import { WORKERS } from "./device";
 import { Done, FromWorker, ToWorker } from "./messages";
+import { Preparation } from "./view";
 
 /** The job was lost through no fault of its own, and may be given to a worker again. */
 export class LostJob extends Error {}
@@ -83,8 +84,8 @@ export class Pool {
   }
 
   prepare(worker: number, key: number, bytes: Uint8Array, sizes: Uint32Array, tables: number,
-          options: Float64Array, view: Float64Array): Promise<Done> {
-    return this.ask(worker, { type: "prepare", job: this.nextJob++, key, bytes, sizes, tables, options, view },
+          how: Preparation, view: Float64Array): Promise<Done> {
+    return this.ask(worker, { type: "prepare", job: this.nextJob++, key, bytes, sizes, tables, ...how, view },
                     [bytes.buffer]);
   }
   pack(worker: number, key: number, view: Float64Array): Promise<Done> {

@@ -1,6 +1,7 @@
 // A reel's manifest, read and checked by the module.
-import { Box, Mode, MODES, Module, Vec3 } from "./module";
+import { Box, MODES, Module, Vec3 } from "./module";
 import { Camera } from "./camera";
+import { Kind } from "./view";
 
 export interface Layers {
   first: number;
@@ -14,6 +15,13 @@ export interface Range {
   offset: number;
   sizes: [number, number, number];
 }
+/** A scalar field, and its values in all frames. */
+export interface ScalarRange {
+  name: string;
+  least: number;
+  most: number;
+  labels: boolean;
+}
 export interface Segment {
   number: number;
   firstFrame: number;
@@ -21,9 +29,24 @@ export interface Segment {
   cube: [number, number, number, number];
 }
 
-const TEXT = { name: 0, codec: 1, entropy: 2, layer: 3, tablesPath: 4, tablesChecksum: 5, session: 6, audioPath: 7 };
+const TEXT = { name: 0, codec: 1, entropy: 2, layer: 3, tablesPath: 4, tablesChecksum: 5, session: 6, audioPath: 7, scalar: 8 };
+/** PrReelInfo. */
+const INFO_NUMBERS = 26;
 const layersIn = (words: Int32Array): Layers =>
   ({ first: words[0]!, end: words[1]!, colors: words[2]!, normals: words[3]! });
+
+/** The numbers of a PrReel, which may be that of a live stream. */
+export const reelInfo = (module: Module, handle: number): Float64Array =>
+  module.doubles(module.call("pr_reel_info", handle), INFO_NUMBERS);
+const textOf = (module: Module, handle: number, which: keyof typeof TEXT, index: number): string =>
+  module.text(module.call("pr_reel_text", handle, TEXT[which], index));
+export function scalarsOf(module: Module, handle: number): ScalarRange[] {
+  return Array.from({ length: reelInfo(module, handle)[25]! }, (_, i) => {
+    const name = textOf(module, handle, "scalar", i);
+    const [least, most, labels] = module.doubles(module.call("pr_reel_scalar", handle, i), 3);
+    return { name, least: least!, most: most!, labels: labels !== 0 };
+  });
+}
 
 export class Reel {
   readonly frames: number;
@@ -36,12 +59,13 @@ export class Reel {
   readonly tablesBytes: number;
   /** 0: it has no sound. */
   readonly audioBytes: number;
+  readonly scalars: readonly ScalarRange[];
   readonly timesUs: Float64Array;
   private readonly files = new Map<number, string>();
 
   /** `handle`: a PrReel. */
   constructor(readonly module: Module, readonly handle: number) {
-    const i = module.doubles(module.call("pr_reel_info", handle), 25);
+    const i = reelInfo(module, handle);
     this.frames = i[0]!;
     this.durationUs = i[1]!;
     this.fps = i[2]!;
@@ -51,6 +75,7 @@ export class Reel {
     this.bounds = { min: [i[12]!, i[13]!, i[14]!] as Vec3, max: [i[15]!, i[16]!, i[17]!] as Vec3 };
     this.tablesBytes = i[19]!;
     this.audioBytes = i[24]!;
+    this.scalars = scalarsOf(module, handle);
     this.timesUs = module.doubles(module.call("pr_reel_times", handle), this.frames);
   }
   static read(module: Module, manifest: Uint8Array): Reel {
@@ -59,9 +84,7 @@ export class Reel {
   }
   free(): void { this.module.call("pr_reel_free", this.handle); }
 
-  text(which: keyof typeof TEXT, index = 0): string {
-    return this.module.text(this.module.call("pr_reel_text", this.handle, TEXT[which], index));
-  }
+  text(which: keyof typeof TEXT, index = 0): string { return textOf(this.module, this.handle, which, index); }
   segment(frame: number): Segment {
     const s = this.module.doubles(this.module.call("pr_reel_segment", this.handle, frame), 7);
     return { number: s[0]!, firstFrame: s[1]!, frames: s[2]!, cube: [s[3]!, s[4]!, s[5]!, s[6]!] };
@@ -90,11 +113,10 @@ export class Reel {
     const [at] = this.module.put(camera.state);
     return this.module.call("pr_level_for", this.handle, at!, width, height, 1);
   }
-  layersFor(mode: Mode, level: number, showNormals: boolean): Layers {
-    const at = this.module.call("pr_layer_choice", this.handle, MODES.indexOf(mode), level, Number(showNormals));
-    return layersIn(this.module.ints(at, 4));
-  }
 }
+
+const numbersOf = ({ mode, normals, scalar }: Kind): [number, number, number] =>
+  [MODES.indexOf(mode), Number(normals), Number(scalar !== null)];
 
 /** What the link and the machine allow to be fetched: client/playback/layer_control.h. */
 export class LayerControl {
@@ -112,13 +134,13 @@ export class LayerControl {
   }
   forgetMade(): void { this.reel.module.call("pr_control_forget_made", this.handle); }
   /** PrSituation. */
-  update(situation: Float64Array, mode: Mode, showNormals: boolean): void {
+  update(situation: Float64Array, kind: Kind): void {
     const [at] = this.reel.module.put(situation);
-    this.reel.module.call("pr_control_update", this.handle, at!, MODES.indexOf(mode), Number(showNormals));
+    this.reel.module.call("pr_control_update", this.handle, at!, ...numbersOf(kind));
   }
-  decide(mode: Mode, level: number, showNormals: boolean): { layers: Layers; limit: number } {
-    const at = this.reel.module.call("pr_control_decide", this.handle, MODES.indexOf(mode), level,
-                                     Number(showNormals), 255);
+  decide(kind: Kind, level: number): { layers: Layers; limit: number } {
+    const [mode, normals, scalars] = numbersOf(kind);
+    const at = this.reel.module.call("pr_control_decide", this.handle, mode, level, normals, scalars, 255);
     const words = this.reel.module.ints(at, 5);
     return { layers: layersIn(words), limit: words[4]! };
   }

@@ -17,7 +17,7 @@ export class Room {
   private readonly back: number;
 
   /** `away`: metres from z = 0 to the front of the scene; null if its middle is at z = 0. */
-  constructor(private readonly module: Module, box: Box, up: number, away: number | null) {
+  constructor(private readonly module: Module, box: Box, private readonly up: number, away: number | null) {
     const axis = Math.abs(up) - 1, height = box.max[axis]! - box.min[axis]!;
     const isMetres = height >= METRES_TALL[0] && height <= METRES_TALL[1];
     this.scale = isMetres || !(height > 0) ? 1 : HEIGHT / height;
@@ -44,6 +44,6 @@ export class Room {
   eye(pose: ArrayLike<number>, projection: ArrayLike<number>, near: number): PosedEye {
     const axis = (i: number) => this.direction(pose[i]!, pose[i + 1]!, pose[i + 2]!);
     return new PosedEye(this.module, projection, this.point(pose[12]!, pose[13]!, pose[14]!), [axis(0), axis(4), axis(8)],
-                        near / this.scale);
+                        near / this.scale, this.up);
   }
 }

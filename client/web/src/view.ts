@@ -1,6 +1,8 @@
 // What is drawn and from where: PrView and PrPrepare of wasm/module.h.
 import { Camera } from "./camera";
-import { COLORS, ColorSource, Mode, MODES, Vec3 } from "./module";
+import { ScalarChoice, showsNormals } from "./colors";
+import { COLORS, ColorSource, Light, Mode, MODES, Vec3 } from "./module";
+import { ScalarRange } from "./reel";
 
 export interface Look {
   camera: Camera;
@@ -9,6 +11,9 @@ export interface Look {
   height: number;
   mode: Mode;
   color: ColorSource;
+  light: Light;
+  /** Null: none is shown. */
+  scalar: ScalarChoice | null;
   fillHoles: boolean;
   /** Divide surfels that look large: only where a picture is not urgent. */
   refine: boolean;
@@ -28,8 +33,37 @@ export function viewOf(look: Look, place: Vec3 = [0, 0, 0]): Float64Array {
   return view;
 }
 
-export function prepareOptions(look: Look, level: number, index: number, timeUs: number,
-                               cube: readonly number[], maxMemory: number): Float64Array {
-  return Float64Array.of(MODES.indexOf(look.mode), level, -1, Number(look.color === "normals"),
-                         maxMemory, index, timeUs, ...cube);
+/** What a frame must be made again for. */
+export interface Kind {
+  mode: Mode;
+  normals: boolean;
+  scalar: ScalarChoice | null;
+}
+export const kindOf = ({ mode, color, light, scalar }: Look): Kind => ({ mode, normals: showsNormals(color, light), scalar });
+export const fits = (made: Kind, look: Look): boolean => {
+  const wanted = kindOf(look);
+  return made.mode === wanted.mode && (made.normals || !wanted.normals) && isSame(made.scalar, wanted.scalar);
+};
+const isSame = (a: ScalarChoice | null, b: ScalarChoice | null): boolean =>
+  a === b || (a !== null && b !== null && a.field === b.field && String(a.range) === String(b.range));
+
+/** What the module is told of how to make a frame. */
+export interface Preparation {
+  /** PrPrepare. */
+  options: Float64Array;
+  field: string;
+  /** PrScalar. */
+  scalar: Float64Array;
+}
+
+/** `scalars`: the fields of the source. */
+export function preparation(look: Look, level: number, index: number, timeUs: number, cube: readonly number[],
+                            maxMemory: number, scalars: readonly ScalarRange[]): Preparation {
+  const { mode, normals, scalar } = kindOf(look), source = scalars.find(({ name }) => name === scalar?.field);
+  return {
+    options: Float64Array.of(MODES.indexOf(mode), level, -1, Number(normals), maxMemory, index, timeUs, ...cube),
+    field: scalar?.field ?? "",
+    scalar: Float64Array.of(...(scalar?.range ?? [NaN, NaN]), Number(source !== undefined),
+                            source?.least ?? 0, source?.most ?? 0, Number(source?.labels ?? false)),
+  };
 }

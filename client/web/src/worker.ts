@@ -8,9 +8,10 @@ let module: Module;
 const reelTables = new Map<number, number>();
 
 function prepare(job: Prepare): void {
-  const [bytes, sizes, options] = module.put(job.bytes, job.sizes, job.options);
+  const name = encode(job.field);
+  const [bytes, sizes, options, field, scalar] = module.put(job.bytes, job.sizes, job.options, name, job.scalar);
   module.check("pr_prepare", job.key, bytes!, sizes!, job.sizes.length / 3,
-               reelTables.get(job.tables) ?? 0, options!);
+               reelTables.get(job.tables) ?? 0, options!, field!, name.length, scalar!);
 }
 
 function packed(job: Prepare | Pack, prepareMs: number): void {

@@ -26,8 +26,8 @@ export const settled = (page) => until(page, () => {
   const reel = player?.player.reel;
   if (player?.player.error) throw new Error(player.player.error);
   if (!reel?.shown || reel.isSeeking) return false;
-  const { frame } = reel.clock.read();
+  const { frame } = reel.clock.read(), { settings } = player.player;
   return reel.shown.frame === frame && reel.shown.layers >= reel.store.end(frame, reel.wanted) &&
-    reel.shown.mode === player.player.settings.mode && player.player.rested &&
+    reel.isGood(reel.shown, { ...settings, scalar: player.player.scalar }, 1) && player.player.rested &&
     player.player.painted[0] === reel.shown && reel.shown.look === player.player.lookNumber;
 }, "a frame settles");

@@ -36,8 +36,9 @@ PrLayers layers_of(const LayerRange& range) {
 }
 
 PrepareOptions options_of(PrMode mode, std::int32_t level, std::int32_t show_normals,
-                          std::uint32_t most) {
+                          std::int32_t scalars, std::uint32_t most) {
   PrepareOptions options;
+  if (scalars != 0) options.scalar.field = "any";
   options.mode = static_cast<DrawMode>(mode);
   options.level = level;
   options.show_normals = show_normals != 0;
@@ -64,14 +65,6 @@ std::int32_t pr_level_for(const PrReel* reel, const PrCamera* camera, std::int32
                    static_cast<float>(pixel_size));
 }
 
-const PrLayers* pr_layer_choice(const PrReel* reel, PrMode mode, std::int32_t level,
-                                std::int32_t show_normals) {
-  static PrLayers layers;
-  layers = layers_of(
-      wanted_layers(reel->manifest, options_of(mode, level, show_normals, kAllLayers)).layers);
-  return &layers;
-}
-
 std::int32_t pr_level_of_layers(const PrReel* reel, std::uint32_t layers) {
   const std::vector<int> levels = levels_of(reel->manifest);
   return levels[std::clamp<std::size_t>(layers, 1, levels.size()) - 1];
@@ -95,10 +88,10 @@ void pr_control_made(PrControl* control, std::uint32_t layers, double ms) {
 void pr_control_forget_made(PrControl* control) { control->control.forget_made(); }
 
 std::int32_t pr_control_update(PrControl* control, const PrSituation* at, PrMode mode,
-                               std::int32_t show_normals) {
+                               std::int32_t show_normals, std::int32_t scalars) {
   const Manifest& manifest = control->manifest;
-  const LayerRange all =
-      wanted_layers(manifest, options_of(mode, kWholeFrame, show_normals, kAllLayers)).layers;
+  const PrepareOptions options = options_of(mode, kWholeFrame, show_normals, scalars, kAllLayers);
+  const LayerRange all = wanted_layers(manifest, options).layers;
   const std::uint32_t segment =
       locate(manifest, static_cast<std::uint32_t>(at->next_frame)).segment;
   const LayerCaps before = control->control.caps();
@@ -108,10 +101,11 @@ std::int32_t pr_control_update(PrControl* control, const PrSituation* at, PrMode
 }
 
 const PrDecision* pr_control_decide(PrControl* control, PrMode mode, std::int32_t level,
-                                    std::int32_t show_normals, std::uint32_t most) {
+                                    std::int32_t show_normals, std::int32_t scalars,
+                                    std::uint32_t most) {
   static PrDecision decision;
   const LayerDecision wanted =
-      wanted_layers(control->manifest, options_of(mode, level, show_normals, most));
+      wanted_layers(control->manifest, options_of(mode, level, show_normals, scalars, most));
   const LayerDecision made = decide(control->control.caps(), wanted.layers, wanted.limit);
   decision = {layers_of(made.layers), static_cast<PrLimit>(made.limit)};
   return &decision;

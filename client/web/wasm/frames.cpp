@@ -4,14 +4,18 @@
 #include <cstring>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "client/prepare/prepare.h"
 #include "client/render/instances.h"
 #include "client/scene/cut.h"
+#include "client/scene/legend.h"
 #include "client/scene/refinement.h"
+#include "client/scene/scalar_colors.h"
 #include "client/scene/strip_cut.h"
 #include "client/scene/view_box.h"
 #include "client/web/wasm/camera.h"
@@ -23,7 +27,11 @@ using namespace pointreel;
 
 static_assert(PR_COLORS == static_cast<int>(ColorSource::colors) &&
               PR_NORMALS == static_cast<int>(ColorSource::normals) &&
-              PR_PLAIN == static_cast<int>(ColorSource::plain));
+              PR_PLAIN == static_cast<int>(ColorSource::plain) &&
+              PR_CURVATURE == static_cast<int>(ColorSource::curvature) &&
+              PR_ACCESSIBILITY == static_cast<int>(ColorSource::accessibility) &&
+              PR_DEPTH == static_cast<int>(ColorSource::depth) &&
+              PR_CONTOURS == static_cast<int>(ColorSource::contours));
 
 namespace {
 
@@ -45,8 +53,25 @@ void copy(const Vector& from, double* to) {
 
 double address(const void* of) { return static_cast<double>(reinterpret_cast<std::uintptr_t>(of)); }
 
-PrError prepare(std::uint32_t key, const FetchedFrame& fetched, const PrPrepare& wanted) {
+/// What is said of the scalar field to show.
+struct Shown {
+  ScalarChoice choice;
+  std::vector<ScalarRange> source;
+};
+Shown shown_scalar(std::string_view field, const PrScalar* scalar) {
+  Shown shown{{std::string(field), {}}, {}};
+  if (field.empty()) return shown;
+  if (!std::isnan(scalar->least)) shown.choice.range = {scalar->least, scalar->most};
+  const PrScalarRange& range = scalar->source;
+  if (scalar->known != 0.0)
+    shown.source.push_back({shown.choice.field, range.least, range.most, range.labels != 0.0});
+  return shown;
+}
+
+PrError prepare(std::uint32_t key, const FetchedFrame& fetched, const PrPrepare& wanted,
+                Shown scalar) {
   PrepareOptions options;
+  options.scalar = std::move(scalar.choice);
   options.mode = static_cast<DrawMode>(static_cast<int>(wanted.mode));
   options.level = static_cast<int>(wanted.level);
   if (wanted.delta >= 0.0) options.delta = wanted.delta;
@@ -54,7 +79,8 @@ PrError prepare(std::uint32_t key, const FetchedFrame& fetched, const PrPrepare&
   if (wanted.max_memory > 0.0) options.max_memory = static_cast<std::uint64_t>(wanted.max_memory);
   const FrameInfo info{static_cast<std::uint32_t>(wanted.index),
                        static_cast<std::uint64_t>(wanted.time_us),
-                       {vector_of(wanted.cube_origin), wanted.cube_edge}};
+                       {vector_of(wanted.cube_origin), wanted.cube_edge},
+                       std::move(scalar.source)};
   auto frame = prepare_frame(fetched, info, options);
   if (!frame) return report(frame.error());
   frames.insert_or_assign(key, std::make_shared<const SceneFrame>(*std::move(frame)));
@@ -85,7 +111,8 @@ Wide widen(const PrView& view) {
 }  // namespace
 
 PrError pr_prepare(std::uint32_t key, const std::uint8_t* bytes, const std::uint32_t* sizes,
-                   std::uint32_t layers, const PrTables* tables, const PrPrepare* options) {
+                   std::uint32_t layers, const PrTables* tables, const PrPrepare* options,
+                   const char* field, std::uint32_t field_size, const PrScalar* scalar) {
   FetchedFrame fetched;
   for (std::uint32_t i = 0; i < layers; ++i, sizes += 3) {
     const Chunks<std::uint32_t> chunks{sizes[0], sizes[1], sizes[2]};
@@ -94,7 +121,7 @@ PrError pr_prepare(std::uint32_t key, const std::uint8_t* bytes, const std::uint
     bytes = end;
   }
   if (tables != nullptr) fetched.tables = tables->tables;
-  return prepare(key, fetched, *options);
+  return prepare(key, fetched, *options, shown_scalar({field, field_size}, scalar));
 }
 
 PrError pr_prepare_file(std::uint32_t key, const std::uint8_t* bytes, std::uint32_t size,
@@ -102,7 +129,7 @@ PrError pr_prepare_file(std::uint32_t key, const std::uint8_t* bytes, std::uint3
   FetchedFrame fetched;
   fetched.file = Bytes(bytes, bytes + size);
   fetched.file_name.assign(name, name_size);
-  return prepare(key, fetched, *options);
+  return prepare(key, fetched, *options, {});
 }
 
 const PrFrame* pr_frame(std::uint32_t key) {
@@ -127,6 +154,30 @@ const PrFrame* pr_frame(std::uint32_t key) {
   copy(frame.boxes.all.max, answer.box_max);
   answer.boxes_rough = frame.boxes.rough;
   return &answer;
+}
+
+const char* pr_legend(std::uint32_t key) {
+  static std::string lines;
+  lines.clear();
+  const auto* found = find(key);
+  const auto legend = found != nullptr ? legend_of({{.frame = *found}}) : std::nullopt;
+  if (!legend) return lines.c_str();
+  lines = legend->title;
+  const auto add = [](const glm::u8vec3& color, const std::string& label) {
+    constexpr char kDigits[] = "0123456789abcdef";
+    lines += '\n';
+    for (int i = 0; i < 3; ++i) lines += {kDigits[color[i] >> 4], kDigits[color[i] & 15]};
+    lines += ' ' + label;
+  };
+  lines += legend->labels.empty() ? "\nramp" : "\nlabels";
+  for (const auto& [color, label] : legend->labels) add(color, label);
+  // As many as there are between which the ramp is straight.
+  constexpr int kSteps = 10;
+  for (int i = 0; legend->labels.empty() && i <= kSteps; ++i)
+    add(ramp_color(i / double{kSteps}), i == 0        ? legend->least
+                                        : i == kSteps ? legend->most
+                                                      : std::string());
+  return lines.c_str();
 }
 
 const double* pr_view_box(const double* bounds, const double* boxes) {

@@ -101,8 +101,9 @@ struct PrReelInfo {
   double live_start_us;     ///< Unix time of the reel's time 0
   double live_ended;        ///< no publisher is connected at the moment
   double audio_bytes;       ///< size of the file of sound; 0: it has none
+  double scalars;           ///< scalar fields that any frame has
 };
-static_assert(sizeof(PrReelInfo) == 25 * 8);
+static_assert(sizeof(PrReelInfo) == 26 * 8);
 
 /// The bytes of a reel.json.
 PR_EXPORT(PrReel*, pr_reel_new)(const char* text, std::uint32_t size);
@@ -119,8 +120,17 @@ enum PrText : std::int32_t {
   PR_TEXT_TABLES_CHECKSUM = 5,  ///< 16 hexadecimal digits
   PR_TEXT_SESSION = 6,          ///< of a live reel, 16 hexadecimal digits; else empty
   PR_TEXT_AUDIO_PATH = 7,       ///< Opus in Ogg, beside reel.json; empty if it has none
+  PR_TEXT_SCALAR = 8,           ///< the name of scalar field `index`
 };
 PR_EXPORT(const char*, pr_reel_text)(const PrReel* reel, PrText which, std::uint32_t index);
+
+struct PrScalarRange {
+  double least, most;  ///< of the known values of all frames
+  double labels;       ///< values are whole numbers that stand for something else
+};
+static_assert(sizeof(PrScalarRange) == 3 * 8);
+/// Of scalar field `index`, below PrReelInfo::scalars.
+PR_EXPORT(const PrScalarRange*, pr_reel_scalar)(const PrReel* reel, std::uint32_t index);
 
 /// The times at which frames begin, in microseconds from the reel's start: an entry for each frame,
 /// valid as long as the reel.
@@ -226,10 +236,6 @@ inline constexpr std::int32_t PR_WHOLE_FRAME = 21;
 PR_EXPORT(std::int32_t, pr_level_for)
 (const PrReel* reel, const PrCamera* camera, std::int32_t width, std::int32_t height,
  double pixel_size);
-/// The layers that hold all levels down to `level`, with what the mode draws. No more than the reel
-/// has.
-PR_EXPORT(const PrLayers*, pr_layer_choice)
-(const PrReel* reel, PrMode mode, std::int32_t level, std::int32_t show_normals);
 /// The finest level that a frame has with this many layers; PR_WHOLE_FRAME for all of them.
 PR_EXPORT(std::int32_t, pr_level_of_layers)(const PrReel* reel, std::uint32_t layers);
 
@@ -273,13 +279,15 @@ PR_EXPORT(void, pr_control_made)(PrControl* control, std::uint32_t layers, doubl
 /// Those times do not count from now on, because frames are made differently.
 PR_EXPORT(void, pr_control_forget_made)(PrControl* control);
 /// Reconsiders; to be called a few times during each segment. 1 if decisions may differ from
-/// before.
+/// before. `show_normals` and `scalars`: normals or a scalar field are shown; a field needs all
+/// layers.
 PR_EXPORT(std::int32_t, pr_control_update)
-(PrControl* control, const PrSituation* situation, PrMode mode, std::int32_t show_normals);
+(PrControl* control, const PrSituation* situation, PrMode mode, std::int32_t show_normals,
+ std::int32_t scalars);
 /// What to fetch of frames that are seen down to `level`. `most`: the user wants no more layers.
 PR_EXPORT(const PrDecision*, pr_control_decide)
 (PrControl* control, PrMode mode, std::int32_t level, std::int32_t show_normals,
- std::uint32_t most);
+ std::int32_t scalars, std::uint32_t most);
 /// The link's rate in bytes a second; 0: not known yet.
 PR_EXPORT(double, pr_control_rate)(const PrControl* control);
 
@@ -358,13 +366,25 @@ struct PrPrepare {
 };
 static_assert(sizeof(PrPrepare) == 11 * 8);
 
+/// How a scalar field is shown in place of colours (ScalarChoice).
+struct PrScalar {
+  double least, most;    ///< values at the ends of the ramp; least NaN: those of the source
+  double known;          ///< the source has told of the field; if not, its frame does
+  PrScalarRange source;  ///< what it has told
+};
+static_assert(sizeof(PrScalar) == 6 * 8);
+
 /// Makes a frame ready to draw and keeps it under `key`, in place of one that was there. `bytes`:
 /// the chunks of all layers, one after another. `sizes`: those of the geometry, colours and normals
-/// of each layer; their sum is the number of bytes. `tables`: the reel's own, or 0.
+/// of each layer; their sum is the number of bytes. `tables`: the reel's own, or 0. `field`: the
+/// name of the scalar field to show, with its size in bytes; 0 bytes: none, and `scalar` does not
+/// count.
 PR_EXPORT(PrError, pr_prepare)
 (std::uint32_t key, const std::uint8_t* bytes, const std::uint32_t* sizes, std::uint32_t layers,
- const PrTables* tables, const PrPrepare* options);
-/// The same from a whole PLY or Draco file, whose name begins the text of an error.
+ const PrTables* tables, const PrPrepare* options, const char* field, std::uint32_t field_size,
+ const PrScalar* scalar);
+/// The same from a whole PLY or Draco file, whose name begins the text of an error, without scalar
+/// fields.
 PR_EXPORT(PrError, pr_prepare_file)
 (std::uint32_t key, const std::uint8_t* bytes, std::uint32_t size, const char* name,
  std::uint32_t name_size, const PrPrepare* options);
@@ -387,13 +407,27 @@ struct PrFrame {
 static_assert(sizeof(PrFrame) == 23 * 8);
 /// 0 if there is none under this key.
 PR_EXPORT(const PrFrame*, pr_frame)(std::uint32_t key);
+/// What the colours of a frame mean (client/scene/legend.h), in lines: the name of the scalar
+/// field; "ramp" or "labels"; then colours as six hexadecimal digits, each with a space and a text
+/// behind it. Those of a ramp are at equal distances on it, with texts at its ends. Empty if the
+/// frame shows no scalar field.
+PR_EXPORT(const char*, pr_legend)(std::uint32_t key);
 /// client/scene/view_box.h: the box (6 numbers) that a first view frames. `boxes`: the 12 numbers
 /// of a PrFrame from main_box_min on.
 PR_EXPORT(const double*, pr_view_box)(const double* bounds, const double* boxes);
 PR_EXPORT(void, pr_drop)(std::uint32_t key);
 PR_EXPORT(void, pr_drop_all)();
 
-enum PrColor : std::int32_t { PR_COLORS = 0, PR_NORMALS = 1, PR_PLAIN = 2 };
+enum PrColor : std::int32_t {
+  PR_COLORS = 0,
+  PR_NORMALS = 1,
+  PR_PLAIN = 2,
+  // Of pixels, by pr_shading. Elements are packed with their own colours.
+  PR_CURVATURE = 3,
+  PR_ACCESSIBILITY = 4,
+  PR_DEPTH = 5,
+  PR_CONTOURS = 6,
+};
 
 struct PrView {
   PrCamera camera;
@@ -449,6 +483,29 @@ PR_EXPORT(const std::int32_t*, pr_region)
 PR_EXPORT(double, pr_nearest_depth)(const PrBounds* bounds, const float* to_clip, double near);
 PR_EXPORT(double, pr_radius_in_pixels)
 (const PrBounds* bounds, const float* to_clip, std::int32_t width, std::int32_t height);
+
+/// What lights a scene (client/scene/draw_options.h).
+enum PrLight : std::int32_t { PR_FLAT = 0, PR_STUDIO = 1, PR_ENVIRONMENT = 2 };
+
+/// A picture of light (client/scene/radiance_picture.h).
+struct PrEnvironment;
+PR_EXPORT(PrEnvironment*, pr_environment_new)(const std::uint8_t* bytes, std::uint32_t size);
+PR_EXPORT(void, pr_environment_free)(PrEnvironment* environment);
+
+/// Light as it falls on surfaces of a roughness (client/render/light_probe.h). `environment`: 0 for
+/// the studio.
+struct PrProbe;
+PR_EXPORT(PrProbe*, pr_probe_new)(const PrEnvironment* environment, double roughness);
+PR_EXPORT(void, pr_probe_free)(PrProbe* probe);
+/// LightProbe::glossy: the three colours of 34 by 34 texels as floats. Valid as long as the probe.
+PR_EXPORT(const float*, pr_probe_glossy)(const PrProbe* probe);
+
+/// What shading pixels needs: client/render/shading.h, the Shading block of shading.glsl. For a
+/// Float32Array of 88 numbers. `bounds` are those of all instances, relative to the origin. With
+/// flat light, `probe` is 0, and `lighting` tells whether it is over the viewer's shoulder or none.
+PR_EXPORT(const float*, pr_shading)
+(const PrCamera* camera, const PrBounds* bounds, double origin_x, double origin_y, double origin_z,
+ PrColor color, PrLight light, std::int32_t lighting, double roughness, const PrProbe* probe);
 
 // ---- Live streams ---------------------------------------------------------------------------
 

@@ -48,6 +48,7 @@ PrReel pointreel::reel_of(Manifest manifest) {
   copy(manifest.bounds.max, info.bounds_max);
   info.max_error = manifest.max_error.value_or(-1.0);
   info.tables_bytes = manifest.tables ? static_cast<double>(manifest.tables->bytes) : 0.0;
+  info.scalars = static_cast<double>(manifest.scalars.size());
   info.audio_bytes = manifest.audio ? static_cast<double>(manifest.audio->bytes) : 0.0;
   if (manifest.live) {
     info.live = 1;
@@ -100,8 +101,18 @@ const char* pr_reel_text(const PrReel* reel, PrText which, std::uint32_t index) 
     case PR_TEXT_AUDIO_PATH:
       if (manifest.audio) text = manifest.audio->path;
       break;
+    case PR_TEXT_SCALAR:
+      if (index < manifest.scalars.size()) text = manifest.scalars[index].name;
+      break;
   }
   return text.c_str();
+}
+
+const PrScalarRange* pr_reel_scalar(const PrReel* reel, std::uint32_t index) {
+  static PrScalarRange answer;
+  const ScalarRange& range = reel->manifest.scalars[index];
+  answer = {range.least, range.most, range.labels ? 1.0 : 0.0};
+  return &answer;
 }
 
 const PrSegment* pr_reel_segment(const PrReel* reel, std::uint32_t frame) {

@@ -1,14 +1,10 @@
-#include "client/render/region.h"
+#include "client/web/wasm/region.h"
 
 #include <cstring>
 
-#include "client/web/wasm/module.h"
-
 using namespace pointreel;
 
-namespace {
-
-InstanceBounds bounds_of(const PrBounds& from) {
+InstanceBounds pointreel::bounds_of(const PrBounds& from) {
   InstanceBounds bounds;
   bounds.min = {from.min[0], from.min[1], from.min[2]};
   bounds.max = {from.max[0], from.max[1], from.max[2]};
@@ -17,6 +13,8 @@ InstanceBounds bounds_of(const PrBounds& from) {
   bounds.count = static_cast<std::size_t>(from.count);
   return bounds;
 }
+
+namespace {
 
 glm::mat4 matrix_of(const float* from) {
   glm::mat4 matrix;

@@ -63,7 +63,7 @@ export class Controls implements Interface {
 
   private key(event: KeyboardEvent): void {
     const from = event.composedPath()[0] as HTMLElement;
-    if (from.tagName === "INPUT" && event.key !== "Escape") return;
+    if ((from.tagName === "INPUT" || from.tagName === "SELECT") && event.key !== "Escape") return;
     // A button is pressed by space and enter.
     if (from.tagName === "BUTTON" && (event.key === " " || event.key === "Enter")) return;
     if (press(event, this.player, this)) event.preventDefault();

@@ -1,5 +1,6 @@
 // The panels: help, drawing settings and statistics.
-import { COLORS, MODES } from "../module";
+import { coloringOf, colorText, LEAST_ROUGHNESS } from "../colors";
+import { COLORS, LIGHTS, MODES } from "../module";
 import { Player, Settings } from "../player";
 import { element } from "./dom";
 import { BINDINGS, GESTURES, keyName } from "./keys";
@@ -23,6 +24,8 @@ export function helpPanel(close: () => void): HTMLElement {
   return panel("Keys and gestures", close, list);
 }
 
+const COLOR_NAMES = ["Colours", "Normals", "Plain", "Curvature", "Accessibility", "Depth", "Contours"];
+
 export class DrawingPanel {
   readonly root: HTMLElement;
   private readonly updates: (() => void)[] = [];
@@ -30,29 +33,91 @@ export class DrawingPanel {
   constructor(private readonly player: Player, close: () => void) {
     this.root = panel("Drawing", close,
       this.choice("Mode", "mode", MODES, ["Surfels", "Voxels", "Points", "Strips"]),
-      this.choice("Colour", "color", COLORS, ["Colours", "Normals", "Plain"]),
-      this.flag("Lighting", "lighting"), this.flag("Fill holes", "fillHoles"),
+      this.color(), this.range(), this.choice("Light", "light", LIGHTS, ["Flat", "Studio", "Environment"],
+        (value, { environment }) => value !== "environment" || environment !== ""), this.roughness(),
+      this.flag("Lighting", "lighting", ({ light }) => light === "flat"), this.flag("Fill holes", "fillHoles"),
       this.flag("Smooth outlines", "smoothOutlines"), this.flag("Floor grid", "floor"),
       this.flag("Adaptive points", "adaptivePoints"), this.pointSize(), this.background(), this.volume());
     this.update();
   }
   update(): void { for (const update of this.updates) update(); }
 
-  private choice<K extends "mode" | "color">(label: string, key: K, values: readonly Settings[K][], names: string[]): Node {
+  /** The names of scalar fields follow those of what is known of everything. */
+  private color(): Node {
+    const list = element("select");
+    let offered = "";
+    list.onchange = () => this.player.set(coloringOf(list.value));
+    this.updates.push(() => {
+      const shown = colorText(this.player.settings), fields = this.player.scalars.map(({ name }) => name);
+      const missing = [...COLORS, ...fields].includes(shown) ? [] : [shown], names = [...fields, ...missing];
+      if (offered !== names.join("\n") || list.options.length === 0) {
+        list.replaceChildren(...COLORS.map((name, i) => element("option", { value: name }, COLOR_NAMES[i]!)),
+                             ...names.map((name) => element("option", { value: name }, name)));
+        offered = names.join("\n");
+      }
+      list.value = shown;
+    });
+    return element("label", {}, list, "Colour");
+  }
+  /** The values at the ends of the ramp. */
+  private range(): Node {
+    const ends = ["Least", "Largest"].map((name) => element("input", { type: "number", step: "any", "aria-label": `${name} value` }));
+    const [least, most] = ends as [HTMLInputElement, HTMLInputElement], row = element("label", {}, least, most, "Range");
+    const source = () => this.player.scalars.find(({ name }) => name === this.player.settings.scalar?.field);
+    const set = () => {
+      const { scalar } = this.player.settings, known = source();
+      if (!scalar) return;
+      const [from, to] = [least.value === "" ? known?.least : Number(least.value), most.value === "" ? known?.most : Number(most.value)];
+      const isAsked = least.value !== "" || most.value !== "";
+      if (isAsked && !(from !== undefined && to !== undefined && from < to)) return;
+      this.player.set({ scalar: { field: scalar.field, range: isAsked ? [from!, to!] : null } });
+    };
+    ends.forEach((end) => (end.onchange = set));
+    this.updates.push(() => {
+      const { color, scalar } = this.player.settings, known = source();
+      row.hidden = color !== "colors" || !scalar;
+      ends.forEach((end, i) => {
+        end.placeholder = known ? String(i === 0 ? known.least : known.most) : "";
+        // What somebody types is his.
+        if ((end.getRootNode() as ShadowRoot).activeElement !== end) end.value = scalar?.range ? String(scalar.range[i]) : "";
+      });
+    });
+    return row;
+  }
+  private roughness(): Node {
+    const slider = element("input", { type: "range", min: String(LEAST_ROUGHNESS), max: "1", step: "0.01" });
+    const label = element("label", {}, slider, "Roughness");
+    slider.oninput = () => this.player.set({ roughness: Number(slider.value) });
+    this.updates.push(() => {
+      slider.value = String(this.player.settings.roughness);
+      label.hidden = this.player.settings.light === "flat";
+    });
+    return label;
+  }
+  private choice<K extends "mode" | "light">(label: string, key: K, values: readonly Settings[K][], names: string[],
+                                              isOffered: (value: Settings[K], settings: Settings) => boolean = () => true): Node {
     const group = element("div", { role: "radiogroup", "aria-label": label, class: "choice" });
     values.forEach((value, i) => {
       const button = element("button", { type: "button", role: "radio" }, names[i]!);
       button.onclick = () => this.player.set({ [key]: value });
-      this.updates.push(() => button.setAttribute("aria-checked", String(this.player.settings[key] === value)));
+      this.updates.push(() => {
+        button.setAttribute("aria-checked", String(this.player.settings[key] === value));
+        button.hidden = !isOffered(value, this.player.settings);
+      });
       group.append(button);
     });
     return group;
   }
-  private flag(label: string, key: "lighting" | "fillHoles" | "smoothOutlines" | "floor" | "adaptivePoints"): Node {
+  private flag(label: string, key: "lighting" | "fillHoles" | "smoothOutlines" | "floor" | "adaptivePoints",
+               counts: (settings: Settings) => boolean = () => true): Node {
     const box = element("input", { type: "checkbox" });
     box.onchange = () => this.player.set({ [key]: box.checked });
-    this.updates.push(() => (box.checked = this.player.settings[key]));
-    return element("label", {}, box, label);
+    const made = element("label", {}, box, label);
+    this.updates.push(() => {
+      box.checked = this.player.settings[key];
+      made.hidden = !counts(this.player.settings);
+    });
+    return made;
   }
   private pointSize(): Node {
     const slider = element("input", { type: "range", min: "1", max: "16", step: "0.5" });

@@ -59,7 +59,7 @@ export class Floor {
   /** Into the bound framebuffer. `background` is linear. */
   draw(lines: FloorLines, viewpoint: Viewpoint, size: Size, background: Vec3): void {
     const { gl } = this, [r, g, b] = background;
-    this.view.set(viewpoint.seenFrom(lines.origin, size.width / size.height), lines.origin, size, false, false);
+    this.view.set(viewpoint.seenFrom(lines.origin, size.width / size.height), lines.origin, size, 0, false);
     this.view.bind();
     gl.bindVertexArray(this.array);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);

@@ -4,6 +4,8 @@ export class DrawingError extends Error {}
 
 /** Where the View block is bound: the last place that WebGL2 promises, for others who share a context count from 0. */
 export const VIEW_BINDING = 23;
+/** Where the Shading block is. */
+export const SHADING_BINDING = 22;
 
 /** A linked program. Samplers are bound to the texture units that the text asks for. */
 export class Program {
@@ -21,8 +23,10 @@ export class Program {
       const unit = units.get(info.name);
       if (unit !== undefined) gl.uniform1i(place, unit);
     }
-    const view = gl.getUniformBlockIndex(program, "View");
-    if (view !== gl.INVALID_INDEX) gl.uniformBlockBinding(program, view, VIEW_BINDING);
+    for (const [name, binding] of [["View", VIEW_BINDING], ["Shading", SHADING_BINDING]] as const) {
+      const block = gl.getUniformBlockIndex(program, name);
+      if (block !== gl.INVALID_INDEX) gl.uniformBlockBinding(program, block, binding);
+    }
   }
 
   use(): void { this.gl.useProgram(this.program); }
@@ -34,9 +38,12 @@ export class Program {
   uint(name: string, value: number): void {
     this.gl.uniform1ui(this.places.get(name) ?? null, value);
   }
+  /** An array. */
+  vec2s(name: string, values: Float32Array): void { this.gl.uniform2fv(this.places.get(`${name}[0]`) ?? null, values); }
   vec4(name: string, x: number, y: number, z: number, w: number): void {
     this.gl.uniform4f(this.places.get(name) ?? null, x, y, z, w);
   }
+  ivec2(name: string, x: number, y: number): void { this.gl.uniform2i(this.places.get(name) ?? null, x, y); }
   ivec4(name: string, x: number, y: number, z: number, w: number): void {
     this.gl.uniform4i(this.places.get(name) ?? null, x, y, z, w);
   }

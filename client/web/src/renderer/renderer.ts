@@ -1,18 +1,26 @@
 // Draws scenes with WebGL2, as client/render does with OpenGL 4.5 and by the same shaders.
 import { Camera, Eye, Viewpoint } from "../camera";
-import { Box, Mode, Packed, Vec3 } from "../module";
+import { isShadedLate } from "../colors";
+import { Box, ColorSource, Light, Mode, Packed, Vec3 } from "../module";
 import { DepthReader } from "./depth_reader";
-import { Floor, floorLines } from "./floor";
+import { Floor, FloorLines, floorLines } from "./floor";
 import { bindTexture, DrawingError, LateProgram, Size } from "./gl";
 import { IndexBuffer, InstanceTexture } from "./instances";
+import { LateLight, Lit } from "./late_light";
 import { Filling, Reconstruction } from "./reconstruction";
 import { around, EMPTY, isNone, Place, Rect } from "./region";
 import { freePrograms, makePrograms, Programs } from "./shaders";
 import { Targets } from "./targets";
-import { ViewBlock } from "./view_block";
+import { SHOW_NORMALS, ViewBlock } from "./view_block";
 
 export interface DrawOptions {
   mode: Mode;
+  color: ColorSource;
+  light: Light;
+  roughness: number;
+  /** A PrEnvironment, for that light. */
+  environment: number;
+  /** With flat light. */
   lighting: boolean;
   fillHoles: boolean;
   smoothOutlines: boolean;
@@ -84,6 +92,8 @@ export class Renderer {
   private readonly noAttributes: WebGLVertexArrayObject;
   private readonly floor: Floor;
   private readonly depthReader: DepthReader;
+  private readonly lateLight: LateLight | null;
+  private readonly lateView: ViewBlock;
   private readonly views: ViewBlock[] = [];
   private readonly presentView: ViewBlock;
   private readonly instances: InstanceTexture[] = [];
@@ -98,7 +108,8 @@ export class Renderer {
   private smooth = false;
 
   constructor(readonly gl: WebGL2RenderingContext) {
-    if (!gl.getExtension("EXT_color_buffer_float") && !gl.getExtension("EXT_color_buffer_half_float"))
+    const hasFloats = gl.getExtension("EXT_color_buffer_float") !== null;
+    if (!hasFloats && !gl.getExtension("EXT_color_buffer_half_float"))
       throw new DrawingError("this graphics driver cannot draw in floating point");
     gl.getExtension("EXT_float_blend");
     this.clip = gl.getExtension("EXT_clip_control") as ClipControl | null;
@@ -108,15 +119,19 @@ export class Renderer {
     this.presentView = new ViewBlock(gl);
     this.floor = new Floor(gl, this.programs.floor);
     this.depthReader = new DepthReader(gl, this.programs.depthBits);
+    this.lateLight = hasFloats ? new LateLight(gl, this.programs) : null;
+    this.lateView = new ViewBlock(gl);
   }
 
   /**
    * Lets the driver compile what pictures of this kind need. It does so beside everything else, as
    * long as nobody asks for the result.
    */
-  startCompiling({ mode, fillHoles, smoothOutlines, floor }: Pick<DrawOptions, "mode" | "fillHoles" | "smoothOutlines"> &
-                                                             { floor: boolean }): void {
-    const p = this.programs, needed = [p.present];
+  startCompiling({ mode, color, light, fillHoles, smoothOutlines, floor }:
+                 Pick<DrawOptions, "mode" | "color" | "light" | "fillHoles" | "smoothOutlines"> & { floor: boolean }): void {
+    const p = this.programs, needed = [p.present], late = this.lateLight && isShadedLate(color, light);
+    if (late) needed.push(p.open, p.light, p.resolve);
+    if (late && light !== "flat") needed.push(p.shadow, p.shadowBlur, ...(floor ? [p.floorShadow] : []));
     if (mode === "point") needed.push(p.point);
     else if (mode === "strip") needed.push(p.strip, p.point, ...(fillHoles ? [p.stripDepth, p.resolve] : []));
     else if (mode === "voxel") needed.push(p.voxel.sprites, p.voxel.solids);
@@ -128,6 +143,8 @@ export class Renderer {
     for (const program of needed) program.start();
   }
 
+  /** Whether pictures can have light and false colours; without, they are flat. */
+  get canShade(): boolean { return this.lateLight !== null; }
   get isLost(): boolean { return this.gl.isContextLost(); }
   get driver(): string {
     const names = this.gl.getExtension("WEBGL_debug_renderer_info");
@@ -142,6 +159,7 @@ export class Renderer {
     this.resize(size);
     const targets = this.targets!;
     const drawables = this.prepare(parts, viewpoint, options);
+    const late = drawables.length > 0 && isShadedLate(options.color, options.light) ? this.lateLight : null;
     this.eye = viewpoint.seenFrom([0, 0, 0], this.aspect);
     this.smooth = options.smoothOutlines;
     this.region = EMPTY;
@@ -155,18 +173,28 @@ export class Renderer {
     const background = options.background.map(linearFromSrgb) as Vec3;
     gl.clearBufferfv(gl.COLOR, 0, [...background, 0]);
     gl.clearBufferfv(gl.DEPTH, 0, [0]);
+    if (late) {
+      this.beginLate(late, drawables, viewpoint, options);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, targets.picture);
+    }
     const floor = options.floor && floorLines(options.floor.box, options.floor.camera);
-    if (floor?.isBelow) this.floor.draw(floor, viewpoint, size, background);
+    const drawFloor = (lines: FloorLines) => {
+      this.floor.draw(lines, viewpoint, size, background);
+      if (!late || options.light === "flat") return;
+      gl.bindVertexArray(this.noAttributes);
+      this.lateView.bind();
+      late.shadeFloor();
+    };
+    if (floor?.isBelow) drawFloor(floor);
     if (drawables.length > 0) {
       gl.bindVertexArray(this.noAttributes);
-      if (options.mode === "surfel") this.drawSurfels(drawables, options);
-      else if (options.mode === "voxel") this.drawVoxels(drawables);
-      else if (options.mode === "strip") this.drawStrips(drawables, options);
-      else this.drawPoints(drawables, options.pointSize, options.largestPoint);
+      if (options.mode === "surfel") this.drawSurfels(drawables, options, late);
+      else if (options.mode === "strip") this.drawStrips(drawables, options, late);
+      else this.drawElements(drawables, options, late);
     }
     if (floor && !floor.isBelow) {
       gl.bindFramebuffer(gl.FRAMEBUFFER, targets.picture);
-      this.floor.draw(floor, viewpoint, size, background);
+      drawFloor(floor);
     }
     return drawables.reduce((sum, d) => sum + d.packed.count, 0);
   }
@@ -231,7 +259,8 @@ export class Renderer {
     this.targets = null;
     this.reconstruction.free();
     for (const owner of [...this.instances, ...this.indices]) owner.free();
-    for (const view of [...this.views, this.presentView]) view.free();
+    for (const view of [...this.views, this.presentView, this.lateView]) view.free();
+    this.lateLight?.free();
     this.floor.free();
     this.depthReader.free();
     freePrograms(this.programs);
@@ -252,6 +281,7 @@ export class Renderer {
   /** Uploads what is new, and computes how each part is seen. */
   private prepare(parts: readonly ScenePart[], viewpoint: Viewpoint, options: DrawOptions): Drawable[] {
     const { gl, size } = this, drawables: Drawable[] = [];
+    const isLate = this.lateLight !== null && isShadedLate(options.color, options.light);
     parts.forEach(({ packed }, i) => {
       this.instances[i] ??= new InstanceTexture(gl);
       this.views[i] ??= new ViewBlock(gl);
@@ -264,7 +294,7 @@ export class Renderer {
       if (packed.count === 0) return;
       const eye = viewpoint.seenFrom(packed.origin, this.aspect);
       const place = new Place(viewpoint.module, packed.bounds, eye.toClip, size.width, size.height);
-      this.views[i]!.set(eye, packed.origin, size, options.lighting, packed.normalsEstimated);
+      this.views[i]!.set(eye, packed.origin, size, Number(options.lighting && !isLate), packed.normalsEstimated);
       drawables.push({ instances: this.instances[i]!, indices: this.indices[i]!, packed, view: this.views[i]!, place, eye,
                        hasSolids: this.mayHaveSolids(place, eye, options.mode) });
     });
@@ -288,6 +318,25 @@ export class Renderer {
     const r = place.region(0, 0);
     // region() adds a pixel on each side.
     return r.x0 <= 0 || r.y0 <= 0 || r.x1 >= this.size.width || r.y1 >= this.size.height;
+  }
+
+  /** The light's passes are in the coordinates of the first part. */
+  private beginLate(late: LateLight, parts: readonly Drawable[], viewpoint: Viewpoint, options: DrawOptions): void {
+    const { gl } = this, [{ eye, packed }] = parts as [Drawable];
+    this.lateView.set(eye, packed.origin, this.size, 0, false);
+    this.lateView.bind();
+    gl.bindVertexArray(this.noAttributes);
+    late.begin(this.size, this.targets!.depth, parts.map((part): Lit => ({
+      origin: part.packed.origin, bounds: part.packed.bounds,
+      drawPoints: () => {
+        part.instances.bind();
+        gl.drawArrays(gl.POINTS, 0, part.packed.count);
+      },
+    })), viewpoint, options);
+  }
+  private bindNormals(late: LateLight, parts: readonly Drawable[], region: Rect): void {
+    for (const part of parts) part.view.setLight(SHOW_NORMALS);
+    late.bindNormals(region);
   }
 
   private bind(part: Drawable): void {
@@ -317,7 +366,6 @@ export class Renderer {
     for (const part of parts) {
       this.bind(part);
       gl.drawArrays(gl.POINTS, 0, part.packed.count);
-      this.region = around(this.region, part.place.region(1, Math.ceil(0.5 * size)));
     }
   }
 
@@ -326,12 +374,29 @@ export class Renderer {
     gl.enable(gl.CULL_FACE);
     for (const part of parts) {
       this.drawBoth(part, this.programs.voxel, 1, 1, 0, 18);
-      this.region = around(this.region, part.place.region(CUBE_CORNER, 1));
     }
     gl.disable(gl.CULL_FACE);
   }
 
-  private drawSurfels(parts: readonly Drawable[], options: DrawOptions): void {
+  /** Voxels or points. */
+  private drawElements(parts: readonly Drawable[], options: DrawOptions, late: LateLight | null): void {
+    const { gl } = this, isVoxel = options.mode === "voxel";
+    for (const { place } of parts)
+      this.region = around(this.region, isVoxel ? place.region(CUBE_CORNER, 1) : place.region(1, Math.ceil(0.5 * options.pointSize)));
+    const draw = () => (isVoxel ? this.drawVoxels(parts) : this.drawPoints(parts, options.pointSize, options.largestPoint));
+    if (!late) return draw();
+    const region = this.region;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets!.splats);
+    this.clearSums(region);
+    draw();
+    this.bindNormals(late, parts, region);
+    gl.depthFunc(gl.GEQUAL);
+    draw();
+    gl.depthFunc(gl.GREATER);
+    this.resolve(parts, { ...options, fillHoles: false }, region, false, late);
+  }
+
+  private drawSurfels(parts: readonly Drawable[], options: DrawOptions, late: LateLight | null): void {
     const { gl } = this, targets = this.targets!;
     for (const part of parts) this.region = around(this.region, part.place.region(1.5 * SCALE, 0));
     const region = this.region;
@@ -349,22 +414,27 @@ export class Renderer {
     gl.enable(gl.BLEND);
     gl.blendEquation(gl.FUNC_ADD);
     gl.blendFunc(gl.ONE, gl.ONE);
-    for (const part of parts) this.drawBoth(part, this.programs.surfelSum, SCALE, SCALE, 0, 6);
+    const sum = () => { for (const part of parts) this.drawBoth(part, this.programs.surfelSum, SCALE, SCALE, 0, 6); };
+    sum();
+    if (late) {
+      this.bindNormals(late, parts, region);
+      sum();
+    }
     gl.disable(gl.BLEND);
     gl.disable(gl.CULL_FACE);
-    this.resolve(parts, options, region, signsUnknown);
+    this.resolve(parts, options, region, signsUnknown, late);
   }
 
   /** As StripPasses: triangles, of which those that are turned away only hide what is behind a hole. */
-  private drawStrips(parts: readonly Drawable[], options: DrawOptions): void {
-    const { gl } = this, targets = this.targets!;
+  private drawStrips(parts: readonly Drawable[], options: DrawOptions, late: LateLight | null): void {
+    const { gl } = this, targets = this.targets!, sums = options.fillHoles || late !== null;
     for (const part of parts) this.region = around(this.region, part.place.region(0, 1));
     const region = this.region;
     const signsUnknown = parts.some((part) => part.packed.normalsEstimated);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, options.fillHoles ? targets.splats : targets.picture);
-    if (options.fillHoles) this.clearSums(region);
-    if (!signsUnknown) gl.enable(gl.CULL_FACE);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, sums ? targets.splats : targets.picture);
+    if (sums) this.clearSums(region);
     if (options.fillHoles && !signsUnknown) {
+      gl.enable(gl.CULL_FACE);
       gl.colorMask(false, false, false, false);
       gl.cullFace(gl.FRONT);
       this.programs.stripDepth.get();
@@ -376,6 +446,18 @@ export class Renderer {
       gl.cullFace(gl.BACK);
       gl.colorMask(true, true, true, true);
     }
+    this.drawFronts(parts, signsUnknown);
+    if (late) {
+      this.bindNormals(late, parts, region);
+      gl.depthFunc(gl.GEQUAL);
+      this.drawFronts(parts, signsUnknown);
+      gl.depthFunc(gl.GREATER);
+    }
+    if (sums) this.resolve(parts, options, region, signsUnknown, late);
+  }
+  private drawFronts(parts: readonly Drawable[], signsUnknown: boolean): void {
+    const { gl } = this;
+    if (!signsUnknown) gl.enable(gl.CULL_FACE);
     this.programs.strip.get();
     for (const part of parts) {
       this.bind(part);
@@ -392,7 +474,6 @@ export class Renderer {
       this.bind(part);
       gl.drawArrays(gl.POINTS, count - last, last);
     }
-    if (options.fillHoles) this.resolve(parts, options, region, signsUnknown);
   }
 
   private clearSums(region: Rect): void {
@@ -402,18 +483,25 @@ export class Renderer {
     this.gl.disable(this.gl.SCISSOR_TEST);
   }
 
-  /** Makes the picture of the sums. */
-  private resolve(parts: readonly Drawable[], options: DrawOptions, region: Rect, signsUnknown: boolean): void {
+  /** Makes the picture of the sums, which are lit if that is late. */
+  private resolve(parts: readonly Drawable[], options: DrawOptions, region: Rect, signsUnknown: boolean,
+                  late: LateLight | null): void {
     const { gl } = this, targets = this.targets!;
     gl.disable(gl.DEPTH_TEST);
-    const filling = options.fillHoles && !isNone(region)
-      ? this.fillHoles(parts, region, signsUnknown) : null;
+    const fills = options.fillHoles && !isNone(region);
+    if (fills && signsUnknown) this.clearSeeThrough(parts, region);
+    let { sums } = targets;
+    if (late) {
+      this.lateView.bind();
+      sums = late.light(sums, region);
+    }
+    const filling = fills ? this.fillHoles(parts, sums, region) : null;
     const resolve = this.programs.resolve.get();
     gl.bindFramebuffer(gl.FRAMEBUFFER, targets.resolved);
-    bindTexture(gl, 0, targets.sums);
-    bindTexture(gl, 1, filling?.colors ?? targets.sums);
+    bindTexture(gl, 0, sums);
+    bindTexture(gl, 1, filling?.colors ?? sums);
     bindTexture(gl, 2, targets.depth);
-    bindTexture(gl, 3, filling?.crowd ?? targets.sums);
+    bindTexture(gl, 3, filling?.crowd ?? sums);
     resolve.int("fill", filling ? 1 : 0);
     resolve.float("crowd_edge", Math.max(filling?.crowdEdge ?? 1, 1));
     this.scissor(region);
@@ -423,19 +511,19 @@ export class Renderer {
     gl.depthMask(true);
   }
 
-  private fillHoles(parts: readonly Drawable[], region: Rect, signsUnknown: boolean): Filling {
+  private clearSeeThrough(parts: readonly Drawable[], region: Rect): void {
     const { gl } = this, targets = this.targets!;
     const count = parts.reduce((sum, part) => sum + part.place.count, 0);
-    if (signsUnknown) {
-      const radius = parts.reduce((sum, part) => sum + part.place.radii, 0) / Math.max(count, 1);
-      const nearest = Math.min(...parts.map((part) => part.place.nearest(part.eye.near)));
-      gl.bindFramebuffer(gl.FRAMEBUFFER, targets.onlySums);
-      this.scissor(region);
-      this.reconstruction.clearSeeThrough(targets.depth, radius, nearest);
-      gl.disable(gl.SCISSOR_TEST);
-    }
+    const radius = parts.reduce((sum, part) => sum + part.place.radii, 0) / Math.max(count, 1);
+    const nearest = Math.min(...parts.map((part) => part.place.nearest(part.eye.near)));
+    gl.bindFramebuffer(gl.FRAMEBUFFER, targets.onlySums);
+    this.scissor(region);
+    this.reconstruction.clearSeeThrough(targets.depth, radius, nearest);
+    gl.disable(gl.SCISSOR_TEST);
+  }
+  private fillHoles(parts: readonly Drawable[], sums: WebGLTexture, region: Rect): Filling {
     const pixels = Math.max(...parts.map((part) => part.place.radiusInPixels()));
-    return this.reconstruction.fill(targets.sums, region, pixels, this.size);
+    return this.reconstruction.fill(sums, region, pixels, this.size);
   }
 
   private scissor(r: Rect): void {

@@ -5,9 +5,12 @@ import discDepth from "../../../render/opengl/shaders/disc_depth.frag.glsl";
 import discSum from "../../../render/opengl/shaders/disc_sum.frag.glsl";
 import flat from "../../../render/opengl/shaders/flat.frag.glsl";
 import floorFragment from "../../../render/opengl/shaders/floor.frag.glsl";
+import floorShadow from "../../../render/opengl/shaders/floor_shadow.frag.glsl";
 import floorVertex from "../../../render/opengl/shaders/floor.vert.glsl";
+import light from "../../../render/opengl/shaders/light.frag.glsl";
 import mean from "../../../render/opengl/shaders/mean.glsl";
 import nothing from "../../../render/opengl/shaders/nothing.frag.glsl";
+import open from "../../../render/opengl/shaders/open.frag.glsl";
 import outlines from "../../../render/opengl/shaders/outlines.frag.glsl";
 import point from "../../../render/opengl/shaders/point.vert.glsl";
 import pull from "../../../render/opengl/shaders/pull.frag.glsl";
@@ -16,6 +19,9 @@ import push from "../../../render/opengl/shaders/push.frag.glsl";
 import quadFootprint from "../../../render/opengl/shaders/quad_footprint.glsl";
 import resolve from "../../../render/opengl/shaders/resolve.frag.glsl";
 import seeThrough from "../../../render/opengl/shaders/see_through.frag.glsl";
+import shading from "../../../render/opengl/shaders/shading.glsl";
+import shadow from "../../../render/opengl/shaders/shadow.vert.glsl";
+import shadowBlur from "../../../render/opengl/shaders/shadow_blur.frag.glsl";
 import stripFragment from "../../../render/opengl/shaders/strip.frag.glsl";
 import stripVertex from "../../../render/opengl/shaders/strip.vert.glsl";
 import whole from "../../../render/opengl/shaders/whole_picture.vert.glsl";
@@ -134,6 +140,11 @@ export function makePrograms(gl: WebGL2RenderingContext, hasClipControl: boolean
     pull: ofPicture([pull]),
     push: ofPicture([push]),
     resolve: ofPicture([mean, resolve]),
+    shadow: inScene([instance, fetch, shading, shadow], [nothing]),
+    shadowBlur: ofPicture([shadowBlur]),
+    floorShadow: ofPicture([shading, floorShadow]),
+    open: ofPicture([shading, open]),
+    light: ofPicture([shading, light]),
     present: ofPicture([srgb, present]),
     outlines: ofPicture([srgb, outlines], "color.rgb = srgb_from_linear(color.rgb);"),
     depthBits: ofPicture([depthBits]),

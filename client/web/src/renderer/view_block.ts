@@ -3,7 +3,9 @@ import { Eye } from "../camera";
 import { Vec3 } from "../module";
 import { Size, VIEW_BINDING } from "./gl";
 
-const FLOATS = 44;
+const FLOATS = 44, LIGHT_AT = 23;
+/** Draws 0.5 + 0.5 n in place of colours, for normals n. */
+export const SHOW_NORMALS = 2;
 const LIGHT = normalize([-0.35, 0.45, 1]);  // in eye space, over the viewer's left shoulder
 
 function normalize(v: Vec3): Vec3 {
@@ -19,18 +21,22 @@ export class ViewBlock {
   free(): void { this.gl.deleteBuffer(this.buffer); }
   bind(): void { this.gl.bindBufferBase(this.gl.UNIFORM_BUFFER, VIEW_BINDING, this.buffer); }
 
-  /** `unsigned`: the signs of normals are unknown. */
-  set(eye: Eye, origin: Vec3, size: Size, lighting: boolean, unsigned: boolean): void {
+  /** `light`: 1 with lighting, 0 without, SHOW_NORMALS. `unsigned`: the signs of normals are unknown. */
+  set(eye: Eye, origin: Vec3, size: Size, light: number, unsigned: boolean): void {
     const { left, right: rightSide, bottom, top } = eye.sides, [right, up, back] = eye.axes;
     const stepX = (rightSide - left) / size.width, stepY = (top - bottom) / size.height;
     const toLight = [0, 1, 2].map((i) => LIGHT[0] * right[i]! + LIGHT[1] * up[i]! + LIGHT[2] * back[i]!);
     const corner = [0, 1, 2].map((i) => -back[i]! + left * right[i]! + bottom * up[i]!);
     const view = new Float32Array(FLOATS);
     view.set(eye.toClip);
-    view.set([...eye.eye.map((v, i) => v - origin[i]!), eye.near, ...toLight, lighting ? 1 : 0,
+    view.set([...eye.eye.map((v, i) => v - origin[i]!), eye.near, ...toLight, light,
               stepY, unsigned ? 1 : 0, 0, 0, ...corner, 0, ...right.map((c) => stepX * c), 0,
               ...up.map((c) => stepY * c), 0, size.width, size.height, 0, 0], 16);
     this.upload(view);
+  }
+  setLight(light: number): void {
+    this.gl.bindBuffer(this.gl.UNIFORM_BUFFER, this.buffer);
+    this.gl.bufferSubData(this.gl.UNIFORM_BUFFER, 4 * LIGHT_AT, Float32Array.of(light));
   }
   /** For programs that ask for nothing but where the picture is shown. */
   setWindow({ x, y, width, height }: Size & { x: number; y: number }): void {

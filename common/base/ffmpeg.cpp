@@ -63,7 +63,8 @@ bool is_installed(const std::string& program) {
 
 Result<Ffmpeg> Ffmpeg::start(const std::vector<std::string>& arguments, const Files& given,
                              const std::string& program) {
-  std::vector<std::string> words = {"ffmpeg", "-hide_banner", "-nostdin", "-loglevel", "error"};
+  std::vector<std::string> words = {program, "-hide_banner", "-loglevel", "error"};
+  if (program != "ffprobe") words.emplace_back("-nostdin");  // which ffprobe does not know
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -115,6 +116,12 @@ bool Ffmpeg::wait() {
     process_ = -1;
   }
   return status_ == 0;
+}
+
+std::string Ffmpeg::said() const {
+  std::array<char, 4096> buffer;
+  const ssize_t size = pread(messages_, buffer.data(), buffer.size(), 0);
+  return {buffer.data(), static_cast<std::size_t>(std::max<ssize_t>(0, size))};
 }
 
 std::string Ffmpeg::reason() const {

@@ -21,7 +21,8 @@ class Ffmpeg {
     int output = -1;        ///< its pipe:1
     int second_input = -1;  ///< its pipe:3
   };
-  /// Starts it with these arguments. Errors: `not_found` if the program is not installed; `io`.
+  /// Starts it, or ffprobe, with these arguments. Errors: `not_found` if the program is not
+  /// installed; `io`.
   static Result<Ffmpeg> start(const std::vector<std::string>& arguments, const Files& files,
                               const std::string& program = "ffmpeg");
 
@@ -34,6 +35,8 @@ class Ffmpeg {
   /// Waits until it has ended, and says whether all went well. Closing its input, or what it writes
   /// to, is up to the caller. May be asked again.
   bool wait();
+  /// The first 4096 bytes that it has written to its standard error, where it says what goes wrong.
+  std::string said() const;
   /// Why it ended, once it has been waited for: the first line that it said, or the signal; empty
   /// if there is neither. The text is one line, and may hold anything else from the file.
   std::string reason() const;

@@ -73,9 +73,10 @@ const louder = (by: number): Act => (player, ui) => {
   ui.say(`volume ${Math.round(100 * player.volume)} %`);
 };
 export const toggleMute: Act = (player, ui) => {
-  if (!player.sound) return;
+  const { sound } = player;
+  if (!sound) return;
   player.setVolume(player.volume, !player.muted);
-  ui.say(player.sound.problem ?? (player.muted ? "sound off" : "sound on"));
+  ui.say(sound.problem ?? (player.muted ? "sound off" : "sound on"));
 };
 const tenth = (sign: number): Act => (player, ui) =>
   by(sign * (player.reel?.reel.durationUs ?? 0) / 10 / SECOND)(player, ui);

@@ -11,23 +11,22 @@ export class LiveSounds implements Soundtrack {
   private readonly output = new Output();
   private readonly streams: StreamSound[] = [];
 
-  /** `muted`: servers are asked for sound only once it is not muted any more. */
-  constructor(private muted: boolean) {}
+  /** `beganMuted`: servers are asked for sound only once it is not muted any more. */
+  constructor(private readonly beganMuted: boolean) {}
   free(): void {
     for (const stream of this.streams) stream.free();
     this.output.free();
   }
 
   makeStream(): StreamSound {
-    const made = new StreamSound(this.output, !this.muted && !this.problem);
+    const made = new StreamSound(this.output, !this.beganMuted && !this.problem);
     this.streams.push(made);
     return made;
   }
-  /** Streams do not say that they have sound before they send some, and do not send any unasked. */
-  get isThere(): boolean { return this.muted || this.problem !== null || this.streams.some((stream) => stream.hasBegun); }
+  /** Streams do not say that they have sound before they send some. Whoever has muted it must be able to ask for it. */
+  get isThere(): boolean { return this.beganMuted || this.problem !== null || this.streams.some((stream) => stream.hasBegun); }
 
   setVolume(volume: number, muted: boolean): void {
-    this.muted = muted;
     this.output.setVolume(muted ? 0 : volume);
     if (muted || this.problem) return;
     for (const stream of this.streams.filter(({ isWanted }) => !isWanted)) {

@@ -20,13 +20,18 @@ export interface OpusDecoder {
 
 /** Packets that wait: two seconds of them. */
 const MOST_WAITING = 100;
+/** A decoder is too slow if a packet waits for so many milliseconds. */
+const SLOW = 500;
 
-/** Where the page came over HTTPS or from this machine; elsewhere browsers have no WebCodecs. */
+/**
+ * Where the page came over HTTPS or from this machine; elsewhere browsers have no WebCodecs. Chromium decodes no more than a
+ * packet in each turn of the page, which is too slow where drawing takes long.
+ */
 class WebCodecsDecoder implements OpusDecoder {
-  private readonly waiting: Packet[] = [];
+  private readonly waiting: { packet: Packet; since: number }[] = [];
   private readonly decoder: AudioDecoder;
 
-  constructor(onSamples: OnSamples, onError: () => void) {
+  constructor(onSamples: OnSamples, onError: () => void, private readonly onSlow: () => void) {
     this.decoder = new AudioDecoder({
       // The times of what comes out are not those of what went in where packets are missing. Each packet gives one output.
       output: (data) => {
@@ -37,15 +42,18 @@ class WebCodecsDecoder implements OpusDecoder {
           return plane;
         });
         data.close();
-        if (of) onSamples(of, planes[0]!, planes[1]!);
+        if (of) onSamples(of.packet, planes[0]!, planes[1]!);
       },
       error: onError,
     });
     this.decoder.configure({ codec: "opus", sampleRate: RATE, numberOfChannels: 2 });
   }
   decode(packet: Packet): void {
-    if (this.decoder.state !== "configured" || this.waiting.length >= MOST_WAITING) return;
-    this.waiting.push(packet);
+    if (this.decoder.state !== "configured") return;
+    const since = performance.now();
+    if (this.waiting[0] && since - this.waiting[0].since > SLOW) return this.onSlow();
+    if (this.waiting.length >= MOST_WAITING) return;
+    this.waiting.push({ packet, since });
     this.decoder.decode(new EncodedAudioChunk({
       type: "key", timestamp: Math.round(1000 * packet.captureMs), duration: Math.round((1e6 * packet.samples) / RATE), data: packet.packet,
     }));
@@ -96,6 +104,11 @@ class FileDecoder implements OpusDecoder {
   }
 }
 
-/** `onError`: nothing that was given can be decoded any more; make another decoder. */
-export const makeDecoder = (context: BaseAudioContext, onSamples: OnSamples, onError: () => void): OpusDecoder =>
-  typeof AudioDecoder === "function" ? new WebCodecsDecoder(onSamples, onError) : new FileDecoder(context, onSamples, onError);
+/**
+ * `onError`: nothing that was given can be decoded any more; make another decoder. `onSlow`: make one that decodes more packets
+ * at a time.
+ */
+export function makeDecoder(context: BaseAudioContext, onSamples: OnSamples, onError: () => void, onSlow: (() => void) | null): OpusDecoder {
+  if (onSlow && typeof AudioDecoder === "function") return new WebCodecsDecoder(onSamples, onError, onSlow);
+  return new FileDecoder(context, onSamples, onError);
+}

@@ -32,6 +32,8 @@ export class StreamSound {
   /** Packets are wanted now, which were not before. */
   onWanted: () => void = () => undefined;
   private decoder: OpusDecoder | null = null;
+  /** Packets are to be decoded many at a time. */
+  private isSlow = false;
   private restsUntil = 0;
   private good = 0;
   private last: Packet | null = null;
@@ -85,8 +87,13 @@ export class StreamSound {
     this.came = performance.now();
     if (!isPlayed || !this.output.runs) return this.silence();
     if (!this.decoder && performance.now() < this.restsUntil) return;
+    const takesSlow = () => {
+      this.isSlow = true;
+      this.decoder?.free();
+      this.decoder = null;
+    };
     this.decoder ??= makeDecoder(this.output.sink.context, (of, left, right) => this.place(of, left, right),
-                                 () => this.fail("sound: cannot be decoded"));
+                                 () => this.fail("sound: cannot be decoded"), this.isSlow ? null : takesSlow);
     this.decoder.decode(packet);
   }
 

@@ -20,6 +20,7 @@
 #include "server/commands.h"
 #include "server/relay/relay.h"
 #include "server/relay/upstream.h"
+#include "server/relay/upstream_tokens.h"
 #include "server/serve/catalog.h"
 #include "server/serve/http_server.h"
 #include "server/serve/live_sinks.h"
@@ -39,6 +40,7 @@ struct ServeArguments {
   double grace = 10.0;  ///< seconds
   std::vector<std::string> relay_from;
   std::string relay_token, relay_ca;
+  std::filesystem::path relay_token_file;
   const CLI::Option *view_token = nullptr, *publish_token = nullptr, *relay_token_option = nullptr;
 };
 
@@ -95,10 +97,14 @@ Result<HttpServerOptions> options_of(const ServeArguments& arguments) {
 Result<std::vector<std::unique_ptr<Upstream>>> follow(const ServeArguments& arguments,
                                                       const HttpServerOptions& server, Relay& relay,
                                                       Log& log) {
+  UpstreamTokens tokens;
+  if (!arguments.relay_token_file.empty())
+    tokens = TRY(at_place("--relay-token-file", UpstreamTokens::read(arguments.relay_token_file)));
   std::vector<UpstreamOptions> all;
   for (const std::string& text : arguments.relay_from) {
     UpstreamOptions options = TRY(at_place("--relay-from", parse_upstream(text)));
-    options.token = arguments.relay_token;
+    const std::string* own = tokens.of(options.url);
+    options.token = own != nullptr ? *own : arguments.relay_token;
     options.ca_file = arguments.relay_ca;
     options.max_message = server.max_message;
     options.text_rate = server.publish_text_rate;
@@ -342,6 +348,13 @@ CLI::App* define_serve(CLI::App& app, const std::shared_ptr<ServeArguments>& arg
                        "the view token of the servers named by --relay-from")
           ->type_name("TOKEN")
           ->envname("POINTREEL_RELAY_TOKEN");
+  command
+      ->add_option(
+          "--relay-token-file", arguments->relay_token_file,
+          "a file with the view tokens of servers named by --relay-from: in each line "
+          "ws(s)://HOST[:PORT], blanks and the token of this server, which no other server "
+          "gets; those that are not in it get --relay-token")
+      ->type_name("FILE");
   command
       ->add_option("--relay-ca-file", arguments->relay_ca,
                    "for wss: trust the certificates in this PEM file instead of the system's")

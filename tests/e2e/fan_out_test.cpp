@@ -29,6 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using testing::HasSubstr;
+using testing::Not;
 
 class FanOutTest : public testing::Test {
  protected:
@@ -166,6 +167,37 @@ TEST_F(FanOutTest, each_side_of_a_relay_has_its_own_token_and_streams_their_own_
   EXPECT_EQ(refused.error().status, 401);
   EXPECT_TRUE(logs(2, "answers 401"));
   EXPECT_EQ(RawHttpClient(port_of(addresses_[2])).get("/live/lyon/reel.json").status, 404);
+}
+
+TEST_F(FanOutTest, each_upstream_server_gets_its_own_token_from_a_file) {
+  const auto first = serve(0, {"--view-token", "token-one", "--publish-token", "publish"});
+  const auto second = serve(1, {"--view-token", "token-two", "--publish-token", "publish"});
+  const fs::path tokens = folder_.write(
+      "tokens", fmt::format("# upstream servers\n\nws://{}\ttoken-one\nws://{}   token-two\r\n",
+                            addresses_[0], addresses_[1]));
+  auto below = serve(2, {"--relay-from", "one-*=" + from(0), "--relay-from", "two-*=" + from(1),
+                         "--relay-token-file", tokens.string()});
+  const Background publishing = publisher(0, {"--token", "publish"});
+  const Background publishing_too = publisher(1, {"--token", "publish"});
+  for (const char* name : {"/one-stage", "/two-stage"}) {
+    const auto watching = viewer(from(2) + name);
+    ASSERT_TRUE(watching);
+    EXPECT_TRUE(receives(*watching, 10)) << name;
+  }
+  // With a wrong token for one of them, the other goes on, and no log has a token.
+  below->end(SIGTERM);
+  folder_.write("tokens", fmt::format("ws://{} token-one", addresses_[0]));
+  below = serve(2, {"--relay-from", "one-*=" + from(0), "--relay-from", "two-*=" + from(1),
+                    "--relay-token-file", tokens.string(), "--relay-token", "token-three"});
+  EXPECT_TRUE(logs(2, "answers 401"));
+  const auto watching = viewer(from(2) + "/one-stage");
+  ASSERT_TRUE(watching);
+  EXPECT_TRUE(receives(*watching, 10));
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::ifstream in(log(i));
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    EXPECT_THAT(text, Not(HasSubstr("token-"))) << i;
+  }
 }
 
 TEST_F(FanOutTest, servers_that_relay_in_a_circle_notice_it_and_keep_the_stream) {

@@ -21,7 +21,9 @@
 #include <unistd.h>
 
 #include "common/stream/live_sound.h"
+#include "server/relay/upstream_tokens.h"
 #include "server/serve/http_server.h"
+#include "tests/temporary_folder.h"
 #include "tests/unit/live_frames.h"
 #include "tests/wait.h"
 
@@ -165,6 +167,43 @@ TEST_F(UpstreamTest, addresses_and_names_are_read_and_mistakes_are_named) {
 TEST_F(UpstreamTest, a_name_that_gets_too_long_is_reported_and_not_followed) {
   const auto upstream = follow(std::string(60, 'x') + "*=ws://127.0.0.1:1/live/alice");
   EXPECT_TRUE(says("is too long"));
+}
+
+TEST(UpstreamTokens, a_token_is_for_one_scheme_host_and_port) {
+  const auto tokens = UpstreamTokens::parse(
+      "# ours\n\nwss://Paris.example.org  one\n ws://[::1]:8090\ttwo \r\nws://lyon three");
+  ASSERT_TRUE(tokens) << tokens.error().message;
+  const auto of = [&](const char* url) {
+    const std::string* token = tokens->of(url);
+    return token != nullptr ? *token : "none";
+  };
+  EXPECT_EQ(of("wss://paris.example.org/live"), "one");
+  EXPECT_EQ(of("wss://paris.EXAMPLE.org:443/prefix/live/alice"), "one");
+  EXPECT_EQ(of("ws://paris.example.org:443/live"), "none");
+  EXPECT_EQ(of("wss://paris.example.org:8443/live"), "none");
+  EXPECT_EQ(of("wss://paris.example.org.evil/live"), "none");
+  EXPECT_EQ(of("ws://[::1]:8090/live"), "two");
+  EXPECT_EQ(of("ws://lyon/live"), "three");
+}
+
+TEST(UpstreamTokens, mistakes_name_their_line_and_no_token) {
+  for (const char* bad :
+       {"SECRET", "https://host SECRET", "wss://host/live SECRET", "SECRET wss://host",
+        "wss://host SECRET SECRET", "wss://SECRET@host x",
+        "wss://host SECRET\nwss://host:443 SECRET", "wss://host", "wss://host SEC\x01RET"}) {
+    const auto read = UpstreamTokens::parse(bad);
+    ASSERT_FALSE(read) << bad;
+    EXPECT_EQ(read.error().code, ErrorCode::argument) << bad;
+    EXPECT_EQ(read.error().message.find("line "), 0u) << read.error().message;
+    EXPECT_EQ(read.error().message.find("SECRET"), std::string::npos) << read.error().message;
+  }
+  const TemporaryFolder folder;
+  EXPECT_EQ(UpstreamTokens::read(folder / "none").error().message,
+            (folder / "none").string() + ": cannot be read");
+  const auto file = folder.write("long", std::string(UpstreamTokens::kMostBytes + 1, '#'));
+  EXPECT_NE(UpstreamTokens::read(file).error().message.find("has more than 65536 bytes"),
+            std::string::npos);
+  EXPECT_TRUE(UpstreamTokens::read(folder.write("empty", "")));
 }
 
 TEST_F(UpstreamTest, streams_come_and_go_with_those_of_the_other_server) {

@@ -8,8 +8,11 @@
 #include <fmt/format.h>
 
 #include "codec/formats/byte_source.h"
+#include "codec/formats/depth_folder.h"
+#include "codec/formats/depth_video.h"
 #include "codec/formats/format_table.h"
 #include "codec/formats/gltf_buffers.h"
+#include "codec/formats/mcap.h"
 #include "common/base/natural_order.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
@@ -35,6 +38,7 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder) {
     return fail(ErrorCode::io,
                 fmt::format("{}: cannot be listed: {}", folder.string(), code.message()));
   }
+  if (files.empty() && is_depth_folder(folder)) return std::vector<fs::path>{folder};
   if (files.empty()) files = std::move(perhaps);
   if (files.empty()) {
     return fail(ErrorCode::not_found,
@@ -101,9 +105,18 @@ bool is_cloud_file(const fs::path& path) {
   return is_cloud_name(path.filename().string()) != Likely::no;
 }
 
+bool has_cloud_files(const fs::path& folder) {
+  std::error_code error;
+  const fs::directory_iterator entries(folder, error);
+  if (error) return false;
+  return std::any_of(begin(entries), end(entries),
+                     [](const auto& entry) { return is_cloud_file(entry.path()); }) ||
+         is_depth_folder(folder);
+}
+
 std::string CloudFrame::name() const {
   return recording == nullptr ? file.string()
-                              : fmt::format("{}: message {}", file.string(), message);
+                              : fmt::format("{}: {}", file.string(), recording->name(index));
 }
 
 std::uint64_t CloudSequence::end_us() const {
@@ -132,12 +145,27 @@ void take_times(CloudSequence& sequence) {
   sequence.fps = 1e6 / static_cast<double>(*middle);
 }
 
-Result<void> add_recording(CloudSequence& sequence, const fs::path& file, const std::string& topic,
-                           std::uint64_t max_memory) {
-  const auto recording = TRY(McapRecording::open(TRY(ByteSource::open(file)), topic, max_memory));
-  for (std::uint32_t i = 0; i < recording->size(); ++i)
-    sequence.frames.push_back({file, recording, i, recording->time_ns(i) / 1000});
-  return {};
+void add_recording(CloudSequence& sequence, const fs::path& file,
+                   const std::shared_ptr<const Recording>& recording) {
+  for (std::uint32_t i = 0; i < recording->size(); ++i) {
+    CloudFrame frame{file, recording, i};
+    if (const auto time_ns = recording->time_ns(i)) frame.time_us = *time_ns / 1000;
+    sequence.frames.push_back(std::move(frame));
+  }
+}
+
+/// Null for a file of one cloud.
+Result<std::shared_ptr<const Recording>> open_recording(const fs::path& path,
+                                                        const std::string& topic,
+                                                        std::uint64_t max_memory) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return open_depth_folder(path);
+  const std::string name = path.string();
+  const CloudFormat format = format_of({}, path.filename().string());
+  if (format == CloudFormat::depth_video) return at_place(name, open_depth_video(path, max_memory));
+  if (format != CloudFormat::mcap) return nullptr;
+  ByteSource source = TRY(at_place(name, ByteSource::open(path)));
+  return TRY(at_place(name, McapRecording::open(std::move(source), topic, max_memory)));
 }
 
 }  // namespace
@@ -146,8 +174,8 @@ Result<CloudSequence> list_cloud_frames(const std::vector<fs::path>& inputs,
                                         const std::string& topic, std::uint64_t max_memory) {
   CloudSequence sequence;
   for (const fs::path& file : TRY(list_cloud_files(inputs))) {
-    if (format_of({}, file.filename().string()) == CloudFormat::mcap) {
-      TRY(at_place(file.string(), add_recording(sequence, file, topic, max_memory)));
+    if (const auto recording = TRY(open_recording(file, topic, max_memory))) {
+      add_recording(sequence, file, recording);
     } else {
       sequence.frames.push_back({file});
     }
@@ -159,16 +187,16 @@ Result<CloudSequence> list_cloud_frames(const std::vector<fs::path>& inputs,
 Result<LoadedCloud> read_cloud_frame(const CloudFrame& frame, const DecodeLimits& limits) {
   if (frame.recording == nullptr) return read_cloud_file(frame.file, limits);
   const std::string name = frame.name();
-  const Bytes bytes = TRY(at_place(frame.file.string(), frame.recording->read(frame.message)));
-  return at_place(name, read_cloud(bytes, CloudFormat::point_cloud2, limits));
+  const Bytes bytes = TRY(at_place(name, frame.recording->read(frame.index)));
+  return at_place(name, read_cloud(bytes, frame.recording->format(), limits));
 }
 
 Result<CloudBytes> fetch_cloud_frame(const CloudFrame& frame, std::uint64_t max_bytes) {
   const std::string name = frame.file.string();
   CloudBytes fetched;
   if (frame.recording != nullptr) {
-    fetched.bytes = TRY(at_place(name, frame.recording->read(frame.message)));
-    fetched.format = CloudFormat::point_cloud2;
+    fetched.bytes = TRY(at_place(frame.name(), frame.recording->read(frame.index)));
+    fetched.format = frame.recording->format();
     return fetched;
   }
   const ByteSource source = TRY(at_place(name, ByteSource::open(frame.file)));
@@ -193,6 +221,10 @@ std::optional<char> up_of_file(const fs::path& path) {
   if (!source) return std::nullopt;
   const auto format = format_of_file(*source, path);
   return format ? up_of(*format) : std::nullopt;
+}
+
+std::optional<char> up_of_frame(const CloudFrame& frame) {
+  return frame.recording == nullptr ? up_of_file(frame.file) : up_of(frame.recording->format());
 }
 
 Result<std::vector<fs::path>> list_cloud_files(const std::vector<fs::path>& inputs) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "codec/formats/cloud_format.h"
-#include "codec/formats/mcap.h"
+#include "codec/formats/recording.h"
 #include "pointreel/bytes.h"
 #include "pointreel/cloud.h"
 #include "pointreel/codec.h"
@@ -49,19 +49,23 @@ Result<LoadedCloud> read_cloud_file(const std::filesystem::path& path,
 
 /// Whether files of that name may hold points, in small letters or capitals.
 bool is_cloud_file(const std::filesystem::path& path);
+/// Whether list_cloud_files finds something in this folder.
+bool has_cloud_files(const std::filesystem::path& folder);
 
 /// The files that `inputs` name, in order: a folder stands for its files of points in natural order
 /// (frame2 before frame10), a file for itself. Where a folder has files that are clearly of points,
-/// those that may be something else (.txt, .csv, .bin) do not count. Fails if there are none.
+/// those that may be something else (.txt, .csv, .bin, .mkv) do not count. A folder with pictures
+/// of depth (depth_folder.h), and no files that are clearly of points, stands for itself. Fails if
+/// there are none.
 Result<std::vector<std::filesystem::path>> list_cloud_files(
     const std::vector<std::filesystem::path>& inputs);
 
 /// One frame of a sequence: a file, or one of the clouds in a recording.
 struct CloudFrame {
   std::filesystem::path file;
-  std::shared_ptr<const McapRecording> recording = nullptr;
-  std::uint32_t message = 0;                  ///< of the recording
-  std::optional<std::uint64_t> time_us = {};  ///< since 1970, where the recording tells
+  std::shared_ptr<const Recording> recording = nullptr;
+  std::uint32_t index = 0;                    ///< in the recording
+  std::optional<std::uint64_t> time_us = {};  ///< where the recording tells
 
   std::string name() const;  ///< the path, or "PATH: message 3"
 };
@@ -77,9 +81,9 @@ struct CloudSequence {
   std::uint64_t end_us() const;
 };
 
-/// The frames of list_cloud_files: each file, and each cloud of recordings (.mcap). `topic`: of
-/// recordings that have several. `max_memory`: of the parts of recordings that are kept. The error
-/// begins with the path.
+/// The frames of list_cloud_files: each file, and each cloud of recordings (.mcap, and depth in
+/// .mkv and folders). `topic`: of recordings that have several. `max_memory`: of the parts of
+/// recordings that are kept. The error begins with the path.
 Result<CloudSequence> list_cloud_frames(const std::vector<std::filesystem::path>& inputs,
                                         const std::string& topic = {},
                                         std::uint64_t max_memory = ~std::uint64_t{0});
@@ -98,5 +102,6 @@ Result<CloudBytes> fetch_cloud_frame(const CloudFrame& frame, std::uint64_t max_
 
 /// The axis that points up in a file by its format, 'y' or 'z'; nothing if that does not tell.
 std::optional<char> up_of_file(const std::filesystem::path& path);
+std::optional<char> up_of_frame(const CloudFrame& frame);
 
 }  // namespace pointreel

@@ -124,7 +124,7 @@ void PlayCommand::add_sources(CLI::App& command) {
           "SOURCE", sources_,
           "What to play: a package, as a folder or an http://, https:// or s3:// address; a "
           "folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, "
-          "nuScenes) or one "
+          "nuScenes), or of depth/*.png, or one "
           "such file; or a live stream, as ws://.../live/NAME, wss:// "
           "or http(s)://.../live/NAME/reel.json. Several sources are shown in one scene")
       ->required()

@@ -83,7 +83,7 @@ Result<std::unique_ptr<Source>> open_files(const std::vector<std::filesystem::pa
   if (!found) return tl::unexpected(*first_error);
   // Who turns files means them to be upright then.
   if (options.placement.rotation == glm::dmat3(1.0))
-    manifest.up = up_of_file(files.front().file).value_or(manifest.up);
+    manifest.up = up_of_frame(files.front()).value_or(manifest.up);
 
   Segment segment;
   segment.cube = bounding_cube(manifest.bounds);

@@ -1,6 +1,5 @@
 #include "client/source/open_source.h"
 
-#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -16,12 +15,11 @@
 namespace pointreel {
 namespace {
 
-/// Whether it is a folder without a file of points; false if it cannot be listed.
+/// Whether it is a folder without points; false if it cannot be listed.
 bool has_no_frames(const std::filesystem::path& path) {
   std::error_code error;
   const std::filesystem::directory_iterator entries(path, error);
-  return !error && std::none_of(begin(entries), end(entries),
-                                [](const auto& entry) { return is_cloud_file(entry.path()); });
+  return !error && !has_cloud_files(path);
 }
 
 }  // namespace

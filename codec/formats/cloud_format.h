@@ -23,6 +23,8 @@ enum class CloudFormat : std::uint8_t {
   nuscenes_sweep,  ///< five floats a point
   mcap,            ///< many clouds, each a point_cloud2
   point_cloud2,    ///< a message of ROS 2
+  depth_video,     ///< many pictures of depth, each a depth_frame
+  depth_frame,     ///< a picture of depth with what belongs to it (depth_frame.h)
   foreign,         ///< known, but not read: the error says how to convert it
 };
 

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "codec/draco/drc_reader.h"
+#include "codec/formats/depth_frame.h"
 #include "codec/formats/gltf.h"
 #include "codec/formats/las.h"
 #include "codec/formats/mcap.h"
@@ -52,6 +53,16 @@ Result<PointCloud> refuse_recording(const ByteSource&, const DecodeLimits&, Unre
   return fail(ErrorCode::unsupported,
               "is an MCAP recording of many clouds: pack it, or play it under a name that ends in "
               ".mcap");
+}
+
+Result<PointCloud> refuse_video(const ByteSource&, const DecodeLimits&, Unread&) {
+  return fail(ErrorCode::unsupported,
+              "is a video: pack it, or play it under a name that ends in .mkv, if it is of depth");
+}
+
+Result<PointCloud> refuse_picture(const ByteSource&, const DecodeLimits&, Unread&) {
+  return fail(ErrorCode::unsupported,
+              "is a picture: to read depth, name the folder that has depth/*.png and intrinsics");
 }
 
 Result<PointCloud> refuse_bag(const ByteSource&, const DecodeLimits&, Unread&) {
@@ -116,6 +127,15 @@ constexpr Row kFormats[] = {
      read_unlimited<read_point_cloud2>,
      'z',
      true},
+    {CloudFormat::depth_video,
+     "depth video",
+     {".mkv"},
+     {"\x1a\x45\xdf\xa3"},
+     Likely::maybe,
+     refuse_video,
+     'y'},
+    {CloudFormat::depth_frame, "depth", {}, {}, Likely::no, read_depth_frame, 'y'},
+    {CloudFormat::foreign, "", {}, {"\x89PNG"}, Likely::no, refuse_picture},
     {CloudFormat::foreign, "", {}, {"#ROSBAG", "SQLite format 3"}, Likely::no, refuse_bag},
     {CloudFormat::foreign, "", {}, {"ASTM-E57"}, Likely::no, refuse_e57},
 };
@@ -154,24 +174,29 @@ bool begins_with(ByteView bytes, std::string_view text) {
          std::memcmp(bytes.data(), text.data(), text.size()) == 0;
 }
 
+const Row* find_by_begin(ByteView begin) {
+  for (const Row& row : kFormats) {
+    for (const std::string_view expected : row.begins)
+      if (begins_with(begin, expected)) return &row;
+  }
+  return nullptr;
+}
+
 /// Why a file whose format is known by its name alone is not of that format; empty if it may be.
 std::string fault_of_begin(const Row& row, const ByteView begin) {
   if (row.begins[0].empty()) return {};
   // Other PCD files begin with a comment or a field, and .gltf files are JSON.
   if (row.format == CloudFormat::pcd || row.format == CloudFormat::gltf) return {};
-  if (begins_with(begin, row.begins[0])) return {};
+  if (begins_with(begin, row.begins[0]) || begins_with(begin, row.begins[1])) return {};
   return concat("is not a ", row.name, " file: it does not begin with \"", row.begins[0], "\"");
 }
 
 }  // namespace
 
 CloudFormat format_of(ByteView begin, std::string_view name) {
-  for (const Row& row : kFormats) {
-    for (const std::string_view expected : row.begins)
-      if (begins_with(begin, expected)) return row.format;
-  }
   std::string_view ending;
-  const Row* row = find_by_name(name, ending);
+  const Row* row = find_by_begin(begin);
+  if (row == nullptr) row = find_by_name(name, ending);
   return row == nullptr ? CloudFormat::unknown : row->format;
 }
 
@@ -206,15 +231,16 @@ std::string known_formats() {
 Result<PointCloud> read_points(const ByteSource& source, CloudFormat format,
                                const DecodeLimits& limits, std::vector<std::string>& unread) {
   if (source.size() == 0) return fail("the file is empty");
-  const Row* row = find(format);
+  Bytes room;
+  const ByteView begin = TRY(source.view(0, 16, room));
+  const Row* row = format == CloudFormat::foreign ? find_by_begin(begin) : find(format);
   if (row == nullptr) {
     return fail(
         concat("is no point cloud file that can be read, by its first bytes or by its "
                "name: ",
                known_formats(), " can"));
   }
-  Bytes room;
-  if (std::string fault = fault_of_begin(*row, TRY(source.view(0, 16, room))); !fault.empty())
+  if (std::string fault = fault_of_begin(*row, begin); !fault.empty())
     return fail(std::move(fault));
   return row->read(source, limits, unread);
 }

@@ -133,17 +133,16 @@ class McapRecording::Impl {
 
   Result<Bytes> read(std::size_t message) const {
     const Place& place = places_[message];
-    const std::string where = concat("message ", message);
-    if (place.chunk == kNoChunk) return at_place(where, read_from_file(place, source_.size()));
+    if (place.chunk == kNoChunk) return read_from_file(place, source_.size());
     const Chunk& chunk = chunks_[place.chunk];
     if (chunk.compression.empty()) {
       Place moved = place;
-      if (place.offset > chunk.packed) return fail(concat(where, ": is outside of its chunk"));
+      if (place.offset > chunk.packed) return fail("is outside of its chunk");
       moved.offset += chunk.begin;
-      return at_place(where, read_from_file(moved, chunk.begin + chunk.packed));
+      return read_from_file(moved, chunk.begin + chunk.packed);
     }
     const auto bytes = TRY(unpacked(place.chunk));
-    return at_place(where, part_of(*bytes, place));
+    return part_of(*bytes, place);
   }
 
  private:
@@ -435,7 +434,10 @@ Result<std::shared_ptr<const McapRecording>> McapRecording::open(ByteSource sour
 }
 
 std::size_t McapRecording::size() const { return impl_->size(); }
-std::uint64_t McapRecording::time_ns(std::size_t message) const { return impl_->time_ns(message); }
+std::optional<std::uint64_t> McapRecording::time_ns(std::size_t message) const {
+  return impl_->time_ns(message);
+}
+std::string McapRecording::name(std::size_t message) const { return concat("message ", message); }
 Result<Bytes> McapRecording::read(std::size_t message) const { return impl_->read(message); }
 
 }  // namespace pointreel

@@ -3,9 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "codec/formats/byte_source.h"
+#include "codec/formats/recording.h"
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
 
@@ -19,7 +21,7 @@ namespace pointreel {
 ///
 /// Trust: the bytes may be hostile. Memory is bounded by a constant times their number, and by the
 /// chunks that are kept, which are no larger than `max_memory` together.
-class McapRecording {
+class McapRecording : public Recording {
  public:
   /// An empty `topic` stands for the only one of point clouds. Errors do not contain the path:
   /// `argument` if there are several or none of that name, which the message lists; `unsupported`
@@ -28,12 +30,14 @@ class McapRecording {
   static Result<std::shared_ptr<const McapRecording>> open(ByteSource source,
                                                            const std::string& topic,
                                                            std::uint64_t max_memory);
-  ~McapRecording();
+  ~McapRecording() override;
 
-  std::size_t size() const;  ///< the number of messages, at least 1
-  /// Nanoseconds since 1970.
-  std::uint64_t time_ns(std::size_t message) const;
-  Result<Bytes> read(std::size_t message) const;
+  CloudFormat format() const override { return CloudFormat::point_cloud2; }
+  std::size_t size() const override;
+  /// Of every message, since 1970.
+  std::optional<std::uint64_t> time_ns(std::size_t message) const override;
+  std::string name(std::size_t message) const override;
+  Result<Bytes> read(std::size_t message) const override;
 
  private:
   class Impl;

@@ -36,7 +36,8 @@ void PackArguments::add_to(CLI::App& command) {
                .add_option(
                    "-i,--input", options_.inputs,
                    "folders and files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, "
-                   "KITTI, nuScenes, MCAP); the files of a folder are taken in natural order, so "
+                   "KITTI, nuScenes, MCAP), and of depth (a folder with depth/*.png, or .mkv, with "
+                   "intrinsics in JSON); the files of a folder are taken in natural order, so "
                    "that frame2 comes before frame10")
                ->required()
                ->type_name("PATH")

@@ -41,7 +41,7 @@ class Packer {
         sequence_(std::move(sequence)),
         files_(sequence_.frames) {
     if (options_.name.empty()) options_.name = default_reel_name(options.output);
-    if (options_.up_of_files) options_.up = up_of_file(files_.front().file).value_or(options_.up);
+    if (options_.up_of_files) options_.up = up_of_frame(files_.front()).value_or(options_.up);
     const bool recorded = options_.times_of_files && !sequence_.times_us.empty();
     if (recorded) {
       options_.fps = std::clamp(sequence_.fps, kMinFps, kMaxFps);

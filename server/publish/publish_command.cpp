@@ -62,7 +62,7 @@ Result<std::unique_ptr<FrameInput>> open_input(const PublishArguments& arguments
   if (!arguments.sequence.times_of_files()) sequence.times_us.clear();
   if (!sequence.times_us.empty()) options.fps = std::clamp(sequence.fps, kMinFps, kMaxFps);
   if (arguments.sequence.up_of_files())
-    options.up = up_of_file(sequence.frames.front().file).value_or(options.up);
+    options.up = up_of_frame(sequence.frames.front()).value_or(options.up);
   return play_files(std::move(sequence), options.fps, arguments.loop);
 }
 
@@ -152,7 +152,7 @@ void add_publish_command(CLI::App& app, int& exit_code) {
   command
       ->add_option("-i,--input", a.input,
                    "a folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, "
-                   "nuScenes), which "
+                   "nuScenes), or of depth/*.png, which "
                    "is played at --fps, or - for standard input: for each frame its size in four "
                    "bytes, little endian, and then a PLY, Draco, PCD or LAS file")
       ->required()

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,12 +13,14 @@
 #include "codec/cloud_file.h"
 #include "common/base/byte_io.h"
 #include "common/base/print.h"
+#include "common/base/run_program.h"
 #include "common/base/try.h"
 #include "common/base/write_file.h"
 #include "common/cloud/ply.h"
 #include "tests/bench/clouds.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/suites.h"
+#include "tests/depth_scene.h"
 #include "tests/temporary_folder.h"
 #include "tests/unit/ros_messages.h"
 
@@ -135,6 +138,60 @@ Bytes mcap_of(const PointCloud& cloud, const std::string& compression) {
   return out.bytes();
 }
 
+/// A camera of 640 x 480 pixels, whose depth is noisy by some steps and whose colours are grainy,
+/// as a folder of PNG files.
+void write_depth_folder(const std::filesystem::path& folder, int frames) {
+  const CameraIntrinsics camera = depth_scene::camera(640);
+  std::mt19937 random(1);
+  const auto put = [&](const std::string& name, const std::string& content) {
+    std::filesystem::create_directories((folder / name).parent_path());
+    std::ofstream(folder / name, std::ios::binary) << content;
+  };
+  put("intrinsic.json", depth_scene::intrinsics(camera));
+  for (int frame = 0; frame < frames; ++frame) {
+    DepthPicture depth = depth_scene::depth(camera, frame);
+    for (std::uint16_t& value : depth.values)
+      value = static_cast<std::uint16_t>(value + random() % 5 - 2);
+    ColorPicture color = depth_scene::color(camera, frame);
+    for (std::uint8_t& value : color.rgb) value = static_cast<std::uint8_t>(value + random() % 9);
+    put(fmt::format("depth/{}.png", frame), depth_scene::png(depth));
+    put(fmt::format("color/{}.png", frame), depth_scene::png(color));
+  }
+}
+
+/// The same as a video, with colours as cameras compress them. False if ffmpeg is not installed.
+bool write_depth_video(const std::filesystem::path& folder, const std::filesystem::path& video) {
+  std::filesystem::copy_file(folder / "intrinsic.json",
+                             std::filesystem::path(video).replace_extension(".json"));
+  const auto made = run_program({"ffmpeg",
+                                 "-loglevel",
+                                 "error",
+                                 "-framerate",
+                                 "30",
+                                 "-i",
+                                 (folder / "depth/%d.png").string(),
+                                 "-framerate",
+                                 "30",
+                                 "-i",
+                                 (folder / "color/%d.png").string(),
+                                 "-map",
+                                 "0",
+                                 "-map",
+                                 "1",
+                                 "-c:v:0",
+                                 "ffv1",
+                                 "-pix_fmt:v:0",
+                                 "gray16le",
+                                 "-c:v:1",
+                                 "mjpeg",
+                                 "-q:v:1",
+                                 "3",
+                                 "-pix_fmt:v:1",
+                                 "yuvj420p",
+                                 video.string()});
+  return made && made->exit_code == 0;
+}
+
 /// Reads all frames of a file, and counts their points.
 Result<std::size_t> read_points_of(const std::filesystem::path& path) {
   const CloudSequence sequence = TRY(list_cloud_frames({path}));
@@ -144,12 +201,32 @@ Result<std::size_t> read_points_of(const std::filesystem::path& path) {
   return points;
 }
 
+/// The file itself, or the files of a folder.
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  if (!fs::is_directory(path)) return {path};
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(path))
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  return files;
+}
+
+double megabytes_of(const std::filesystem::path& path) {
+  double bytes = 0.0;
+  for (const std::filesystem::path& file : files_of(path))
+    bytes += static_cast<double>(std::filesystem::file_size(file));
+  return 1e-6 * bytes;
+}
+
 /// Milliseconds; the bytes are kept until then, as those of a cloud are.
 double read_bytes_ms(const std::filesystem::path& path) {
   const double begin = now_ms();
-  std::ifstream in(path, std::ios::binary);
-  Bytes bytes(std::filesystem::file_size(path));
-  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  std::vector<Bytes> all;
+  for (const std::filesystem::path& file : files_of(path)) {
+    std::ifstream in(file, std::ios::binary);
+    Bytes& bytes = all.emplace_back(std::filesystem::file_size(file));
+    in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
   return now_ms() - begin;
 }
 
@@ -165,13 +242,14 @@ nlohmann::json measure_file(const Input& input, int runs, std::vector<Bar>& bars
     if (!loaded) return {{"error", loaded.error().message}};
     points = *loaded;
   }
-  const double megabytes = 1e-6 * static_cast<double>(std::filesystem::file_size(input.path));
+  const double megabytes = megabytes_of(input.path);
   const double plain_ms = summarise(plain).median, read_ms = summarise(read).median;
   const double share = plain_ms / read_ms;
   print(
       "  {:<28} {:>9} points {:>7.1f} MB   bytes {:>7.1f} ms   cloud {:>7.1f} ms   {:>6.0f} MB/s "
-      "  {:>5.0f} %\n",
-      input.name, points, megabytes, plain_ms, read_ms, 1e3 * megabytes / read_ms, 100.0 * share);
+      "  {:>5.1f} million points/s   {:>5.0f} %\n",
+      input.name, points, megabytes, plain_ms, read_ms, 1e3 * megabytes / read_ms,
+      1e-3 * static_cast<double>(points) / read_ms, 100.0 * share);
   if (input.least_share > 0.0)
     bars.push_back({input.name + ": of the speed of reading the bytes", 100.0 * share, "%",
                     100.0 * input.least_share, true});
@@ -206,6 +284,11 @@ nlohmann::json run_files(const SuiteOptions& options) {
         add("MCAP, not compressed", "g.mcap", mcap_of(cloud, ""), 0.0, 300.0)}) {
     if (!written) return {{"error", written.error().message}};
   }
+  const int frames = options.quick ? 3 : 10;
+  write_depth_folder(folder / "depth", frames);
+  inputs.push_back({"depth, PNG", folder / "depth"});
+  if (write_depth_video(folder / "depth", folder / "h.mkv"))
+    inputs.push_back({"depth, ffv1 and MJPEG", folder / "h.mkv"});
   for (const std::filesystem::path& file : options.files)
     inputs.push_back({file.filename().string(), file});
   print("Reading files that are in the page cache, on one thread\n");

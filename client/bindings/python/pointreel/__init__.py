@@ -209,7 +209,7 @@ def open(where: Union[str, os.PathLike[str]], *, layers: Optional[int] = None, a
          follow_redirects: bool = False, max_memory: Optional[int] = None) -> Reel:
     """Opens a package (its folder, its reel.json, or an http:// or https:// address of either), a
     folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, nuScenes), one such
-    file, or an MCAP recording of ROS 2.
+    file, an MCAP recording of ROS 2, or depth: a folder with depth/*.png, or .mkv.
 
     layers: fetch and decode the first layers of each frame only. ahead: how many frames iteration
     decodes ahead. fps: of folders of files, which do not tell it; 30, or the times of a recording.

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+
+#include "codec/formats/picture.h"
+
+namespace pointreel {
+
+bool is_png(ByteView bytes);
+
+/// As read_depth_picture and read_color_picture, of PNG only.
+Result<DepthPicture> read_depth_png(ByteView bytes, std::uint64_t max_pixels);
+Result<ColorPicture> read_color_png(ByteView bytes, std::uint64_t max_pixels);
+
+}  // namespace pointreel

@@ -1,0 +1,132 @@
+// Depth cameras' pictures and videos from files to pictures, as a user sees them.
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "common/base/run_program.h"
+#include "tests/depth_scene.h"
+#include "tests/e2e/picture.h"
+#include "tests/e2e/process.h"
+#include "tests/temporary_folder.h"
+
+namespace pointreel::e2e {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr int kFrames = 6;
+
+class Depth : public testing::Test {
+ protected:
+  void SetUp() override { depth_scene::write(capture(), kFrames, depth_scene::camera(320)); }
+
+  std::string capture() const { return (folder_ / "capture").string(); }
+  std::string reel() const { return (folder_ / "reel").string(); }
+  std::string video() const { return (folder_ / "walk.mkv").string(); }
+
+  void make_video() const {
+    const auto made = run_program({"ffmpeg",
+                                   "-loglevel",
+                                   "error",
+                                   "-framerate",
+                                   "10",
+                                   "-i",
+                                   capture() + "/depth/%d.png",
+                                   "-framerate",
+                                   "10",
+                                   "-i",
+                                   capture() + "/color/%d.png",
+                                   "-map",
+                                   "0",
+                                   "-map",
+                                   "1",
+                                   "-c:v:0",
+                                   "ffv1",
+                                   "-pix_fmt:v:0",
+                                   "gray16le",
+                                   "-c:v:1",
+                                   "mjpeg",
+                                   "-q:v:1",
+                                   "2",
+                                   "-pix_fmt:v:1",
+                                   "yuvj444p",
+                                   video()});
+    ASSERT_TRUE(made) << made.error().message;
+    ASSERT_EQ(made->exit_code, 0) << made->out;
+    folder_.write("walk.json", depth_scene::intrinsics(depth_scene::camera(320)));
+  }
+
+  /// The red ball in a picture of the source, from where the camera was.
+  Patch ball(const std::string& source, const std::string& time) const {
+    const std::string file = (folder_ / "picture.png").string();
+    const Outcome drawn =
+        run("pointreel", {"play", source, "--offscreen", "320x240", "--at", time, "--view", "0,0",
+                          "--no-lighting", "--screenshot", file});
+    EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+    const Picture picture = read_picture(file);
+    EXPECT_EQ(picture.size, glm::ivec2(320, 240));
+    return find_hue(picture, {1, 0, 0});
+  }
+
+  const TemporaryFolder folder_;
+};
+
+TEST_F(Depth, a_folder_of_pictures_is_packed_and_played_upright) {
+  const Outcome packed =
+      run("pointreel-server", {"pack", "-i", capture(), "-o", reel(), "--fps", "10", "--json"});
+  ASSERT_EQ(packed.exit_code, 0) << packed.err;
+  const auto summary = nlohmann::json::parse(packed.out, nullptr, false);
+  ASSERT_FALSE(summary.is_discarded()) << packed.out;
+  EXPECT_EQ(summary["frames"], kFrames);
+  EXPECT_GT(summary["points"], kFrames * 320 * 240 * 9 / 10);
+  EXPECT_EQ(summary["warnings"].size(), 0u) << packed.out;
+  EXPECT_THAT(run("pointreel-server", {"verify", reel()}).out, HasSubstr("good"));
+  EXPECT_THAT(run("pointreel-server", {"info", reel()}).out,
+              AllOf(HasSubstr("colors yes, normals yes"), HasSubstr("up y")));
+  for (const std::string& source : {capture(), reel()}) {
+    const Patch first = ball(source, "0"), last = ball(source, "0.5");
+    EXPECT_GT(first.pixels, 1000u) << source;
+    EXPECT_GT(last.center.x, first.center.x + 10.0) << source;
+  }
+}
+
+TEST_F(Depth, a_video_is_packed_and_played_at_its_times) {
+  make_video();
+  const Outcome packed = run("pointreel-server", {"pack", "-i", video(), "-o", reel(), "--json"});
+  ASSERT_EQ(packed.exit_code, 0) << packed.err;
+  const auto summary = nlohmann::json::parse(packed.out, nullptr, false);
+  ASSERT_FALSE(summary.is_discarded()) << packed.out;
+  EXPECT_EQ(summary["frames"], kFrames);
+  EXPECT_EQ(summary["recorded_fps"], 10.0);
+  for (const std::string& source : {video(), reel()}) {
+    const Patch first = ball(source, "0"), last = ball(source, "0.5");
+    EXPECT_GT(first.pixels, 1000u) << source;
+    EXPECT_GT(last.center.x, first.center.x + 10.0) << source;
+  }
+}
+
+TEST_F(Depth, parts_and_missing_tools_are_refused_in_one_line) {
+  const Outcome planned = run("pointreel-server", {"pack", "plan", "-i", capture(), "-o", reel()});
+  EXPECT_NE(planned.exit_code, 0);
+  EXPECT_THAT(planned.err,
+              HasSubstr("is a recording of many frames, which is not packed in parts"));
+  make_video();
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", "/nonexistent", 1);
+  const Outcome packed = run("pointreel-server", {"pack", "-i", video(), "-o", reel()});
+  ::setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(packed.exit_code, 1);
+  EXPECT_THAT(packed.err, HasSubstr("walk.mkv: ffmpeg is not installed, but videos need it"));
+  EXPECT_FALSE(fs::exists(reel()));
+}
+
+}  // namespace
+}  // namespace pointreel::e2e

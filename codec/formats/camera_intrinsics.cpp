@@ -32,7 +32,7 @@ std::optional<std::array<double, 9>> matrix_of(const JsonValue& value) {
       if (!take(item.value())) return std::nullopt;
   }
   if (!value.is_array() || numbers.size() != 9) return std::nullopt;
-  std::array<double, 9> matrix;
+  std::array<double, 9> matrix{};
   std::copy(numbers.begin(), numbers.end(), matrix.begin());
   return matrix;
 }

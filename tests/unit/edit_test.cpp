@@ -307,11 +307,11 @@ TEST_F(Edit, what_was_cleaned_is_shared_out_and_added_up_again) {
 TEST_F(Edit, a_manifest_that_would_be_too_long_is_refused) {
   const fs::path reel = pack_as("reel", options());
   Manifest manifest = read_manifest(reel).value();
-  // Frames without points, of one byte each, in files that are there.
+  // Frames of one byte each, in files that are there.
   const std::uint32_t count = 600'000;
   manifest.segments.resize(1);
   manifest.segments[0].times_us.assign(count, 0);
-  manifest.segments[0].points.assign(count, 0);
+  manifest.segments[0].points.assign(count, 1);
   for (LayerFile& file : manifest.segments[0].layers) {
     const std::uint32_t bytes = &file == &manifest.segments[0].layers[0] ? 1 : 0;
     file.frames.assign(count, Chunks<std::uint32_t>{bytes, 0, 0});

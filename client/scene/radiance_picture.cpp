@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "common/base/try.h"
 
@@ -21,7 +21,7 @@ constexpr int kLeastHeight = 2;
 using Row = std::vector<std::uint8_t>;
 
 tl::unexpected<Error> cut_off(int row) {
-  return fail(ErrorCode::invalid, fmt::format("the picture ends within row {}", row));
+  return fail(ErrorCode::invalid, "the picture ends within row " + std::to_string(row));
 }
 
 class Reader {
@@ -51,11 +51,9 @@ class Reader {
       for (std::size_t part = 0; part < 4; ++part) to[part * texels + i] = bytes_[4 * i + part];
     for (std::size_t i = 0; i < texels; ++i)
       if (to[i] == 1 && to[texels + i] == 1 && to[2 * texels + i] == 1)
-        return fail(
-            ErrorCode::unsupported,
-            fmt::format("row {} has the run-length encoding of 1985; save the picture again "
-                        "with any newer program",
-                        number));
+        return fail(ErrorCode::unsupported, "row " + std::to_string(number) +
+                                                " has the run-length encoding of 1985; save the "
+                                                "picture again with any newer program");
     bytes_ = bytes_.subspan(4 * texels);
     return {};
   }
@@ -69,7 +67,8 @@ class Reader {
         const bool run = bytes_[0] > 128;
         const std::size_t count = run ? bytes_[0] - 128u : bytes_[0];
         if (count == 0 || count > end - at)
-          return fail(ErrorCode::invalid, fmt::format("row {} does not fit the width", number));
+          return fail(ErrorCode::invalid,
+                      "row " + std::to_string(number) + " does not fit the width");
         if (run) {
           std::fill_n(to.begin() + static_cast<std::ptrdiff_t>(at), count, bytes_[1]);
           bytes_ = bytes_.subspan(2);
@@ -91,6 +90,10 @@ struct Size {
   int width, height;
 };
 
+std::string pixels(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
 Result<Size> parse_size(std::string_view line) {
   int width = 0, height = 0;
   char end = 0;
@@ -100,8 +103,9 @@ Result<Size> parse_size(std::string_view line) {
                 "the line of the size is not \"-Y HEIGHT +X WIDTH\", for rows from the top");
   if (height < kLeastHeight || width < 2 * kLeastHeight || width > kMostRadianceWidth ||
       height > kMostRadianceWidth / 2)
-    return fail(ErrorCode::limit, fmt::format("{}x{} pixels: 4x2 to {}x{} can be read", width,
-                                              height, kMostRadianceWidth, kMostRadianceWidth / 2));
+    return fail(ErrorCode::limit, pixels(width, height) + " pixels: 4x2 to " +
+                                      pixels(kMostRadianceWidth, kMostRadianceWidth / 2) +
+                                      " can be read");
   return Size{width, height};
 }
 

@@ -76,7 +76,7 @@ TEST_F(DepthFolder, is_a_sequence_in_which_y_points_up) {
     }
     return sum / count;
   };
-  // What is seen of it moves a little less than its centre does.
+  // What is seen of it moves a little less than its centre does. Its outline is left out as flying.
   const auto seen = [&](int frame) {
     double sum = 0.0, count = 0.0;
     for (std::uint32_t v = 0; v < camera_.height; ++v) {
@@ -89,7 +89,7 @@ TEST_F(DepthFolder, is_a_sequence_in_which_y_points_up) {
     }
     return sum / count;
   };
-  EXPECT_NEAR(redness(last->cloud) - redness(first->cloud), seen(10) - seen(1), 0.02);
+  EXPECT_NEAR(redness(last->cloud) - redness(first->cloud), seen(10) - seen(1), 0.05);
 
   const auto fetched = fetch_cloud_frame(sequence->frames[1], 1 << 20);
   ASSERT_TRUE(fetched) << fetched.error().message;

@@ -198,8 +198,8 @@ TEST_F(Upload, keys_go_to_no_other_address) {
            "<Error><Code>TemporaryRedirect</Code></Error>");
     return true;
   });
-  EXPECT_THAT(line, AllOf(HasSubstr("the bucket is at another address"),
-                          HasSubstr("set AWS_REGION")));
+  EXPECT_THAT(line,
+              AllOf(HasSubstr("the bucket is at another address"), HasSubstr("set AWS_REGION")));
   EXPECT_EQ(other.requests(), Requests{});
 }
 

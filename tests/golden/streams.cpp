@@ -1,8 +1,6 @@
 #include "tests/golden/streams.h"
 
-#include <cmath>
 #include <fstream>
-#include <limits>
 #include <span>
 
 #include <fmt/format.h>
@@ -13,6 +11,7 @@
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 #include "tests/golden/cells.h"
+#include "tests/golden/known_as_number.h"
 
 namespace pointreel::golden {
 namespace {
@@ -20,13 +19,6 @@ namespace {
 template <class T>
 std::string hash(const std::vector<T>& values) {
   return fmt::format("{:016x}", XXH3_64bits(values.data(), values.size() * sizeof(T)));
-}
-
-/// NaN has many forms.
-std::vector<float> known_as_number(std::vector<float> values) {
-  for (float& value : values)
-    if (std::isnan(value)) value = std::numeric_limits<float>::infinity();
-  return values;
 }
 
 nlohmann::json decoded(const EncodedFrame& encoded, std::size_t layers) {

@@ -41,7 +41,7 @@ InverseDepth without_flying(const InverseDepth& all, std::size_t width, std::siz
     const bool inner = y > 0 && y + 1 < height;
     for (std::size_t x = 0; x < width; ++x) {
       const bool in_row = x > 0 && x + 1 < width && flies(row[x - 1], row[x], row[x + 1]);
-      const bool in_column = inner && flies(row[x - width], row[x], row[x + width]);
+      const bool in_column = inner && flies(all[(y - 1) * width + x], row[x], row[x + width]);
       if (in_row || in_column) to[x] = 0.0f;
     }
   }

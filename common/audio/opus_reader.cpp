@@ -201,6 +201,16 @@ Result<OpusReader> OpusReader::open(ReadAt read, std::uint64_t size) {
   return OpusReader(std::move(impl));
 }
 
+OpusReader::ReadAt OpusReader::read_at(std::ifstream& file) {
+  return [&file](std::uint64_t offset, std::span<std::uint8_t> bytes) -> Result<void> {
+    file.clear();
+    file.seekg(static_cast<std::streamoff>(offset));
+    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    if (!file) return fail(ErrorCode::io, "cannot be read");
+    return {};
+  };
+}
+
 Result<OpusReader> OpusReader::open(ByteView bytes) {
   return open(
       [bytes](std::uint64_t offset, std::span<std::uint8_t> to) -> Result<void> {

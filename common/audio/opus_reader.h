@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <span>
@@ -34,6 +35,8 @@ class OpusReader {
   static Result<OpusReader> open(ReadAt read, std::uint64_t size);
   /// The same of bytes in memory, which must outlive it.
   static Result<OpusReader> open(ByteView bytes);
+  /// Reads from a file, which must outlive the function. Errors: `io`.
+  static ReadAt read_at(std::ifstream& file);
   OpusReader(OpusReader&&) noexcept;
   OpusReader& operator=(OpusReader&&) noexcept;
   ~OpusReader();

@@ -74,13 +74,11 @@ void OpusWriter::put(ByteView packet, std::uint64_t end, bool last) {
   write_pages(false);
 }
 
-void OpusWriter::flush() {
-  write_pages(true);
-  out_.flush();
-}
+void OpusWriter::flush() { write_pages(true); }
 
 void OpusWriter::write_pages(bool all) {
   const auto next = all ? ogg_stream_flush : ogg_stream_pageout;
+  const std::uint64_t before = bytes_;
   ogg_page page;
   while (next(&stream_->state, &page) != 0) {
     for (const ByteView part : {ByteView(page.header, static_cast<std::size_t>(page.header_len)),
@@ -91,6 +89,8 @@ void OpusWriter::write_pages(bool all) {
       bytes_ += part.size();
     }
   }
+  // What a killed program has not handed to the system is lost.
+  if (bytes_ > before) out_.flush();
 }
 
 }  // namespace pointreel

@@ -142,16 +142,7 @@ class PieceReader {
     if (size != piece_.bytes)
       return fail(fmt::format("has {}, the manifest says {}", counted(size, "byte"), piece_.bytes));
     std::ifstream file(piece_.file, std::ios::binary);
-    OpusReader reader = TRY(OpusReader::open(
-        [&file](std::uint64_t offset, std::span<std::uint8_t> bytes) -> Result<void> {
-          file.clear();
-          file.seekg(static_cast<std::streamoff>(offset));
-          file.read(reinterpret_cast<char*>(bytes.data()),
-                    static_cast<std::streamsize>(bytes.size()));
-          if (!file) return fail(ErrorCode::io, "cannot be read");
-          return {};
-        },
-        piece_.bytes));
+    OpusReader reader = TRY(OpusReader::open(OpusReader::read_at(file), piece_.bytes));
     if (!reader.head().plain)
       return fail(ErrorCode::argument,
                   "has more channels than two, and cannot be copied" + advice());

@@ -144,16 +144,7 @@ Result<std::optional<AudioFile>> replace_audio(const fs::path& package,
 
 Result<void> check_audio(const PackageFiles& files, const AudioFile& audio) {
   std::ifstream file(TRY(files.local(audio)), std::ios::binary);
-  OpusReader reader = TRY(OpusReader::open(
-      [&file](std::uint64_t offset, std::span<std::uint8_t> bytes) -> Result<void> {
-        file.clear();
-        file.seekg(static_cast<std::streamoff>(offset));
-        file.read(reinterpret_cast<char*>(bytes.data()),
-                  static_cast<std::streamsize>(bytes.size()));
-        if (!file) return fail(ErrorCode::io, "cannot be read");
-        return {};
-      },
-      audio.bytes));
+  OpusReader reader = TRY(OpusReader::open(OpusReader::read_at(file), audio.bytes));
   std::vector<StereoSample> block(kAudioRate);
   std::uint64_t samples = 0;
   for (;;) {

@@ -2,8 +2,9 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
+#include <optional>
 
+#include "common/audio/opus_writer.h"
 #include "common/stream/live_sound.h"
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
@@ -33,14 +34,12 @@ class LiveSoundFile {
   Result<Bytes> bytes();
 
  private:
-  class Pages;
-
   void put(ByteView packet, std::uint64_t samples);
 
   const std::filesystem::path file_;
   const std::uint64_t start_us_;
-  std::uint64_t samples_ = 0, written_ = 0;
-  std::unique_ptr<Pages> pages_;
+  std::uint64_t samples_ = 0;
+  std::optional<OpusWriter> writer_;
 };
 
 }  // namespace pointreel

@@ -9,12 +9,10 @@
 namespace pointreel {
 namespace {
 
-constexpr auto kHop = AudioVoice::kHop;
-
 // Seconds that what the device says may be off paced time, in one answer, and in the mean of the
 // last dozen. What is off farther is not its pace: it had a break, or did not know its delay at
 // first. Sound then jumps, and time does not.
-constexpr double kMostOff = 0.05, kMostMeanOff = 0.01;
+constexpr double kMostSecondsOff = 0.05, kMostMeanOff = 0.01;
 constexpr double kNewest = 0.1;  ///< share of the newest answer in this mean
 
 AudioPlayer::TimePoint::duration duration_of(double seconds) {
@@ -99,7 +97,7 @@ void AudioPlayer::pace(const AudioDevice::State& state, TimePoint now) {
   if (!first_) first_ = paced - duration_of(heard / kAudioRate);
   const double off = seconds_of(*first_ + duration_of(heard / kAudioRate) - paced);
   mean_off_ += kNewest * (off - mean_off_);
-  const bool far = std::abs(off) > kMostOff || std::abs(mean_off_) > kMostMeanOff;
+  const bool far = std::abs(off) > kMostSecondsOff || std::abs(mean_off_) > kMostMeanOff;
   if (state.broken_off || far) {
     *first_ -= duration_of(off);
     mean_off_ = 0.0;
@@ -121,14 +119,15 @@ void AudioPlayer::measure(double heard, TimePoint now) {
   // Only where all that is waiting goes on from what is heard, by the clock as it is now.
   const bool steady = std::all_of(handed_.begin(), handed_.end(),
                                   [](const Handed& one) { return one.position && one.steady; });
-  if (!steady || into < 0.0 || into > 2.0 * kHop || !clock.playing() || clock.held()) return;
-  const double is =
-      (static_cast<double>(*now_heard.position) + kHop + (into - kHop) * clock.speed()) /
-      kAudioRate;
+  if (!steady || into < 0.0 || into > 2.0 * AudioVoice::kHop || !clock.playing() || clock.held())
+    return;
+  const double is = (static_cast<double>(*now_heard.position) + AudioVoice::kHop +
+                     (into - AudioVoice::kHop) * clock.speed()) /
+                    kAudioRate;
   const double should = 1e-6 * static_cast<double>(clock.read(time_->at(now)).position_us);
   const double offset_ms = 1e3 * (is - should);
   // The clock may have jumped since.
-  if (std::abs(offset_ms) > 1e3 * kMostOff) return;
+  if (std::abs(offset_ms) > 1e3 * kMostSecondsOff) return;
   ++statistics_.offsets;
   sum_of_offsets_ms_ += offset_ms;
   if (std::abs(offset_ms) > std::abs(statistics_.worst_offset_ms))
@@ -159,8 +158,8 @@ void AudioPlayer::mix(TimePoint now) {
     handed.position = sound->voice.position();
     handed.steady = sound->voice.steady();
   }
-  for (std::size_t i = 0; i < kHop; ++i) {
-    const float share = static_cast<float>(i + 1) / static_cast<float>(kHop);
+  for (std::size_t i = 0; i < AudioVoice::kHop; ++i) {
+    const float share = static_cast<float>(i + 1) / static_cast<float>(AudioVoice::kHop);
     const float gain = gain_before_ + share * (gain_ - gain_before_);
     mixed_[i] = {std::clamp(gain * mixed_[i].left, -1.0f, 1.0f),
                  std::clamp(gain * mixed_[i].right, -1.0f, 1.0f)};

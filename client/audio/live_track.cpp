@@ -22,7 +22,7 @@ constexpr std::int64_t kLongest = 4 * kRate;
 /// grain, and the rounds of playback.
 constexpr std::int64_t kMargin = 110'000;
 /// How far the delay may be off before it is set, and how long it stays then.
-constexpr std::int64_t kMostOff = 80'000;
+constexpr std::int64_t kMostDelayOff = 80'000;
 constexpr milliseconds kStays{1500};
 /// The share by which the need for delay falls with each packet.
 constexpr double kForget = 0.002;
@@ -131,7 +131,7 @@ std::optional<Clock> LiveTrack::clock(Clock::TimePoint now, std::uint64_t now_us
   bool set = !clock_;
   if (clock_) {
     const std::int64_t off = static_cast<std::int64_t>(clock_->read(now).position_us) - position;
-    set = std::abs(off) > kMostOff && now - set_ > kStays;
+    set = std::abs(off) > kMostDelayOff && now - set_ > kStays;
   }
   if (set && position >= 0) {
     clock_ = Clock({{0}, kDuration}, false);

@@ -13,7 +13,7 @@
 namespace pointreel {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience{100};
+constexpr std::chrono::milliseconds kErrandPatience{100};
 
 /// Something that a thread does while another waits for a short time.
 class Errand {
@@ -160,7 +160,7 @@ Opening::~Opening() {
     shared_->given_up = true;
   }
   if (opened && *opened) retire(std::move(**opened));
-  shared_->errand->wait(kPatience);
+  shared_->errand->wait(kErrandPatience);
 }
 
 std::optional<Opening::Opened> Opening::poll() {
@@ -181,7 +181,7 @@ void retire(std::unique_ptr<Stage> stage) {
   stage->silence();
   const auto errand = std::make_shared<Errand>();
   errands().start(errand, [stage = std::move(stage)]() mutable { stage.reset(); });
-  errand->wait(kPatience);
+  errand->wait(kErrandPatience);
 }
 
 }  // namespace pointreel

@@ -7,21 +7,21 @@ namespace pointreel {
 namespace {
 
 /// How many pixels away something is looked for.
-constexpr int kReach = 8;
+constexpr int kPickReach = 8;
 
 }  // namespace
 
 PixelRect pick_area(const glm::dvec2& at, glm::ivec2 size) {
   if (!(at.x >= 0.0 && at.x <= size.x && at.y >= 0.0 && at.y <= size.y)) return {};
   const glm::ivec2 middle = glm::min(glm::ivec2(at), size - 1);
-  return {glm::max(middle - kReach, 0), glm::min(middle + kReach + 1, size)};
+  return {glm::max(middle - kPickReach, 0), glm::min(middle + kPickReach + 1, size)};
 }
 
 std::optional<glm::dvec3> pick(const glm::dvec2& at, const PixelRect& area,
                                std::span<const float> depths, const Camera& camera,
                                glm::ivec2 size) {
   const glm::ivec2 middle = glm::min(glm::ivec2(at), size - 1);
-  double nearest = kReach + 0.5;
+  double nearest = kPickReach + 0.5;
   glm::dvec2 found(0.0);
   float found_depth = 0.0f;
   std::size_t i = 0;

@@ -22,7 +22,7 @@ double contour_step(double height) {
 }
 
 /// The reach of occlusion as a share of the sphere around all instances.
-constexpr double kReach = 0.09;
+constexpr double kOcclusionReach = 0.09;
 
 }  // namespace
 
@@ -65,7 +65,7 @@ ShadingView make_shading(const DrawOptions& options, const LightProbe& probe, co
   view.key = glm::vec4(probe.key, options.roughness);
   view.up = glm::vec4(glm::vec3(up), static_cast<float>(floor));
   view.reach =
-      glm::vec4(static_cast<float>(kReach * radius), static_cast<float>(radius),
+      glm::vec4(static_cast<float>(kOcclusionReach * radius), static_cast<float>(radius),
                 is_false_color(options.color) ? static_cast<float>(options.color) : 0.0f,
                 options.light != Light::flat ? kLateLight : (options.lighting ? 1.0f : 0.0f));
   const double step = contour_step(2.0 * radius);

@@ -7,7 +7,7 @@ namespace pointreel {
 namespace {
 
 /// Radius of the disc in halves of the diagonal of the scene's bounds.
-constexpr double kReach = 2.0;
+constexpr double kFloorReach = 2.0;
 /// The fewest lines between the middle and the rim.
 constexpr double kLeastLines = 7.0;
 /// Bounds the loop over lines. Steps of 1, 2 and 5 never give more than 2.5 times the fewest.
@@ -41,7 +41,7 @@ bool clip(glm::dvec3& from, glm::dvec3& to, const glm::dvec3& eye, const glm::dv
 
 }  // namespace
 
-double floor_reach(const Box& bounds) { return kReach * half_diagonal(bounds); }
+double floor_reach(const Box& bounds) { return kFloorReach * half_diagonal(bounds); }
 
 double floor_step(const Box& bounds) { return round_step(floor_reach(bounds) / kLeastLines); }
 

@@ -16,7 +16,7 @@ namespace {
 
 /// How many leaves a parent has on a surface whose gaps are worth filling. A closed surface has
 /// four; random points, two to a cell, have 3.5. Below the least, gaps are many cells wide.
-constexpr double kClosedGrowth = 3.4, kLeastGrowth = 1.7;
+constexpr double kGapClosedGrowth = 3.4, kLeastGrowth = 1.7;
 /// With so few points in a leaf, and more than the one that voxelised input has, random points
 /// leave some cells empty even where the tree grows like this.
 constexpr double kRandomGrowth = 3.9, kLeastRandomPoints = 1.5, kMostRandomPoints = 8.0;
@@ -385,7 +385,7 @@ int gap_to_fill(const Svo& svo, std::uint32_t points) {
   if (svo.depth < 2) return 0;
   const double leaves = svo.leaf_count(), growth = leaves / svo.node_count(svo.depth - 1);
   const bool random = points > kLeastRandomPoints * leaves && points < kMostRandomPoints * leaves;
-  if (!(growth >= kLeastGrowth && growth < (random ? kRandomGrowth : kClosedGrowth))) return 0;
+  if (!(growth >= kLeastGrowth && growth < (random ? kRandomGrowth : kGapClosedGrowth))) return 0;
   return points > kCoarsePointsPerLeaf * leaves ? kWidestOfCoarse : kWidest;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "common/base/for_each.h"
@@ -24,7 +25,7 @@ constexpr double kMostSurfels = 600'000.0;
 /// The radius within which spheres are fitted, the distance to which new surfels belong to an old
 /// one, and the radius within which spheres and colours are blended, all in radii of surfels. These
 /// radii are about the distance between neighbours.
-constexpr float kSupport = 3.0f, kReach = 1.4f, kBlended = 1.8f;
+constexpr float kSupport = 3.0f, kOwnReach = 1.4f, kBlended = 1.8f;
 /// Colours are blended within so many spacings between surfels around the one that is divided, and
 /// so many times the distance to the nearest surfel: surfels may be dense along curves with gaps
 /// between them, and then their radii are much larger than the detail in their colours.
@@ -43,7 +44,6 @@ constexpr float kMostBend = 0.6f;
 /// factor.
 constexpr float kAway = -0.25f, kStepAway = 2.0f;
 constexpr std::size_t kPerTask = 256;
-constexpr float kPi = 3.14159265f;
 
 /// What a patch contributes to the surfels around it.
 struct Blended {
@@ -78,9 +78,9 @@ float weight(float square, float radius) {
 }
 
 /// A patch that is divided, and those around it.
-class Around {
+class DividedPatch {
  public:
-  explicit Around(const Blended& own) : own_(own) {}
+  explicit DividedPatch(const Blended& own) : own_(own) {}
 
   void add(const Blended& other) {
     others_[count_++] = other;
@@ -92,7 +92,9 @@ class Around {
     const std::span others = std::span(others_).first(count_);
     std::ranges::sort(others, {}, &Blended::far);
     const std::size_t last = std::min(kSpacingNeighbors, count_);
-    if (last > 0) spacing_ = others[last - 1].far * std::sqrt(kPi / static_cast<float>(last + 1));
+    if (last > 0)
+      spacing_ = others[last - 1].far *
+                 std::sqrt(std::numbers::pi_v<float> / static_cast<float>(last + 1));
   }
 
   /// The surface at a place in the plane of the patch; nothing if another patch is nearer.
@@ -216,7 +218,7 @@ std::vector<Refinement::Wanted> Refinement::find_wanted(const Camera& camera,
   for (std::uint32_t i = 0; i < points_.size(); ++i) {
     const glm::vec3& position = points_.positions[i];
     const glm::vec3& normal = points_.normals[i];
-    const float radius = points_.radii[i], reach = kReach * radius;
+    const float radius = points_.radii[i], reach = kOwnReach * radius;
     const glm::vec3 at(view * glm::vec4(position, 1.0f));
     const float away = -at.z;
     if (normal == glm::vec3(0.0f) || !(away > reach) || radius < kLargePixels * pixel * away ||
@@ -258,7 +260,7 @@ void Refinement::fit(std::span<const Wanted> wanted) {
       const float radius = std::exchange(radii[i], 0.0f) / kSupport;
       if (!(radius > 0.0f)) continue;
       fitted_[i] = true;
-      const float most = kMostBend / (kReach * radius);
+      const float most = kMostBend / (kOwnReach * radius);
       patches_[i].curvature = std::clamp(patches_[i].curvature, -most, most);
     }
   };
@@ -290,7 +292,7 @@ void Refinement::divide(std::span<const Wanted> wanted) {
   };
   const auto divide_one = [&](const Wanted& one, std::vector<RefinedSurfel>& out) {
     const SurfacePatch& patch = patches_[at_[one.at]];
-    Around around(blended_from(at_[one.at], patch));
+    DividedPatch around(blended_from(at_[one.at], patch));
     for (std::uint32_t i = 0; i < patch.neighbor_count; ++i) {
       if (patches_[patch.neighbors[i]].normal != glm::vec3(0.0f))
         around.add(blended_from(patch.neighbors[i], patch));
@@ -300,7 +302,7 @@ void Refinement::divide(std::span<const Wanted> wanted) {
     const glm::vec3 across = glm::normalize(
         glm::cross(n, std::abs(n.x) < 0.6f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0)));
     const glm::vec3 along = glm::cross(n, across);
-    const float reach = kReach * one.radius;
+    const float reach = kOwnReach * one.radius;
     const int steps = static_cast<int>(reach / one.step);
     for (int y = -steps; y <= steps; ++y) {
       for (int x = -steps; x <= steps; ++x) {

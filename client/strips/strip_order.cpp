@@ -8,7 +8,7 @@ namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
 
-std::uint16_t ahead(std::uint16_t edge) {
+std::uint16_t next_edge(std::uint16_t edge) {
   return static_cast<std::uint16_t>(edge % 3 == 2 ? edge - 2 : edge + 1);
 }
 
@@ -78,19 +78,19 @@ void StripOrder::run(std::span<const Corners> triangles, std::vector<std::uint32
     for (std::uint16_t k = 0; k < 3; ++k) {
       const auto edge = static_cast<std::uint16_t>(3 * start + k);
       const std::uint16_t next = across(edge);
-      const int score = next == kNone ? 0 : across(ahead(ahead(next))) == kNone ? 1 : 2;
+      const int score = next == kNone ? 0 : across(next_edge(next_edge(next))) == kNone ? 1 : 2;
       if (score > best) {
         best = score;
         out = edge;
       }
     }
     // The strip leaves the triangle (a, b, c) through the edge from b to c.
-    const std::uint16_t a = ahead(ahead(out));
-    indices.insert(indices.end(), {corner(a), corner(out), corner(ahead(out))});
+    const std::uint16_t a = next_edge(next_edge(out));
+    indices.insert(indices.end(), {corner(a), corner(out), corner(next_edge(out))});
     bool turned = true;  // whether the next triangle is turned around
     for (std::uint16_t edge = across(out); edge != kNone;) {
       // The new triangle's edge runs from c to b; its far corner is the next index.
-      const std::uint16_t to_far = ahead(edge), from_far = ahead(to_far);
+      const std::uint16_t to_far = next_edge(edge), from_far = next_edge(to_far);
       done_[edge / 3u] = 1;
       indices.push_back(corner(from_far));
       near = edge / 3u;

@@ -10,7 +10,7 @@ namespace pointreel {
 namespace {
 
 /// Nodes of a level that are tested by one call of the executor.
-constexpr std::size_t kBlock = 256;
+constexpr std::size_t kNodesPerBlock = 256;
 
 /// The first surfel below each node of the octree.
 std::vector<std::uint32_t> first_surfels(const Svo& svo) {
@@ -97,11 +97,12 @@ StrippingTree make_stripping_tree(const StripSurfels& surfels, const PatchRule& 
   std::vector<std::uint8_t> ends;  // for each node of a level, whether it is a patch
   for (std::size_t begin = 0, end = 1; begin < end; begin = end, end = tree.nodes.size()) {
     ends.resize(end - begin);
-    for_each(executor, static_cast<int>((end - begin + kBlock - 1) / kBlock), [&](int block) {
-      const std::size_t from = begin + static_cast<std::size_t>(block) * kBlock;
-      for (std::size_t i = from; i < std::min(from + kBlock, end); ++i)
-        ends[i - begin] = is_patch(surfels, tree.nodes[i], rule);
-    });
+    for_each(executor, static_cast<int>((end - begin + kNodesPerBlock - 1) / kNodesPerBlock),
+             [&](int block) {
+               const std::size_t from = begin + static_cast<std::size_t>(block) * kNodesPerBlock;
+               for (std::size_t i = from; i < std::min(from + kNodesPerBlock, end); ++i)
+                 ends[i - begin] = is_patch(surfels, tree.nodes[i], rule);
+             });
     for (std::size_t i = begin; i < end; ++i) {
       if (ends[i - begin] != 0) {
         tree.patches.push_back(static_cast<std::uint32_t>(i));

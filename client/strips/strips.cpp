@@ -17,7 +17,7 @@ namespace pointreel {
 namespace {
 
 /// Patches that are made into strips by one call of the executor.
-constexpr std::size_t kBlock = 64;
+constexpr std::size_t kPatchesPerBlock = 64;
 
 /// Fills in the sphere, the cone and the representative surfel of a patch.
 void describe_patch(const StripSurfels& surfels, const PatchNode& patch,
@@ -107,7 +107,7 @@ class StripMaker {
     if (changes)
       kept_.emplace(*before, std::move(*changes), surfels, tree, rules.inflation, executor);
     patches = Patches(surfels, tree, rules.inflation, executor, kept());
-    blocks_.resize((patches.size() + kBlock - 1) / kBlock);
+    blocks_.resize((patches.size() + kPatchesPerBlock - 1) / kPatchesPerBlock);
     for_each(executor, static_cast<int>(blocks_.size()),
              [&](int number) { make_block(static_cast<std::size_t>(number)); });
     place_blocks();
@@ -143,12 +143,12 @@ std::uint32_t StripMaker::made() const {
 }
 
 void StripMaker::make_block(std::size_t number) {
-  const std::size_t begin = number * kBlock;
+  const std::size_t begin = number * kPatchesPerBlock;
   Block& block = blocks_[number];
   std::vector<std::array<std::uint32_t, 3>> triangles;
   Decimation decimation(surfels_, tree, patches);
   StripOrder order;
-  for (std::size_t i = begin; i < std::min(begin + kBlock, patches.size()); ++i) {
+  for (std::size_t i = begin; i < std::min(begin + kPatchesPerBlock, patches.size()); ++i) {
     const bool same = kept_ && kept_->same_strips(i, patches);
     if (same) {
       const std::uint32_t node = before_->tree.patches[kept_->patch_before(i)];
@@ -186,7 +186,7 @@ void StripMaker::place_blocks() {
     std::copy(block.indices.begin(), block.indices.end(),
               strips.indices.begin() + static_cast<std::ptrdiff_t>(firsts[at]));
     for (std::size_t i = 0; i < block.ends.size(); ++i) {
-      const std::size_t patch = at * kBlock + i;
+      const std::size_t patch = at * kPatchesPerBlock + i;
       const std::uint32_t begin = i == 0 ? 0 : block.ends[i - 1];
       const std::uint32_t number_of_node = tree.patches[patch];
       StripNode& node = strips.nodes[number_of_node];

@@ -10,7 +10,7 @@ namespace pointreel {
 namespace {
 
 /// Leaves that are compared by one call of the executor.
-constexpr std::uint32_t kBlock = 8192;
+constexpr std::uint32_t kLeavesPerBlock = 8192;
 
 /// Also true for equal values that are not numbers, and false for zeros of different signs.
 template <class T>
@@ -29,17 +29,18 @@ SurfelChanges::SurfelChanges(const StripSurfels& before, const StripSurfels& now
   const std::uint32_t internal = now.svo.internal_count();
   const std::uint32_t internal_before = before.svo.internal_count();
   const std::uint32_t leaves = now.svo.leaf_count();
-  for_each(executor, static_cast<int>((leaves + kBlock - 1) / kBlock), [&](int block) {
-    const std::uint32_t begin = static_cast<std::uint32_t>(block) * kBlock;
-    for (std::uint32_t i = begin; i < std::min(begin + kBlock, leaves); ++i) {
-      if (node_before_[internal + i] == kNoNode) continue;
-      const std::uint32_t old = node_before_[internal + i] - internal_before;
-      surfel_now_[old] = i;
-      same_[internal + i] = same_bits(before.positions[old], now.positions[i]) &&
-                            same_bits(before.normals[old], now.normals[i]) &&
-                            same_bits(before.radii[old], now.radii[i]);
-    }
-  });
+  for_each(executor, static_cast<int>((leaves + kLeavesPerBlock - 1) / kLeavesPerBlock),
+           [&](int block) {
+             const std::uint32_t begin = static_cast<std::uint32_t>(block) * kLeavesPerBlock;
+             for (std::uint32_t i = begin; i < std::min(begin + kLeavesPerBlock, leaves); ++i) {
+               if (node_before_[internal + i] == kNoNode) continue;
+               const std::uint32_t old = node_before_[internal + i] - internal_before;
+               surfel_now_[old] = i;
+               same_[internal + i] = same_bits(before.positions[old], now.positions[i]) &&
+                                     same_bits(before.normals[old], now.normals[i]) &&
+                                     same_bits(before.radii[old], now.radii[i]);
+             }
+           });
   for (std::uint32_t node = internal; node-- > 0;) {
     const std::uint32_t old = node_before_[node];
     if (old == kNoNode || before.svo.masks[old] != now.svo.masks[node]) continue;

@@ -12,8 +12,8 @@ namespace {
 
 /// The rows of pixels of a screen on which the interface has its usual size.
 constexpr double kUsualRows = 1440.0;
-constexpr std::array kSteps = {0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0};
-static_assert(kSteps.front() == kLeastInterfaceScale && kSteps.back() == kMostInterfaceScale);
+constexpr std::array kScales = {0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0};
+static_assert(kScales.front() == kLeastInterfaceScale && kScales.back() == kMostInterfaceScale);
 
 /// The rows of the screen that shows the middle of the window, or of the first one; 0: unknown.
 int screen_rows(GLFWwindow* window) {
@@ -56,11 +56,11 @@ float interface_scale(GLFWwindow* window, double wanted) {
 double next_interface_scale(double scale, bool larger) {
   constexpr double kSame = 1e-3;
   if (larger) {
-    const auto next = std::upper_bound(kSteps.begin(), kSteps.end(), scale + kSame);
-    return next == kSteps.end() ? kSteps.back() : *next;
+    const auto next = std::upper_bound(kScales.begin(), kScales.end(), scale + kSame);
+    return next == kScales.end() ? kScales.back() : *next;
   }
-  const auto next = std::lower_bound(kSteps.begin(), kSteps.end(), scale - kSame);
-  return next == kSteps.begin() ? kSteps.front() : *(next - 1);
+  const auto next = std::lower_bound(kScales.begin(), kScales.end(), scale - kSame);
+  return next == kScales.begin() ? kScales.front() : *(next - 1);
 }
 
 }  // namespace pointreel

@@ -20,7 +20,7 @@
 namespace pointreel {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
+constexpr std::uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
 /// Memory that a vertex takes while it is read, in bytes.
 constexpr std::uint64_t kVertexMemory = 64;
 /// Vertices of an accessor that has no buffer but only single vertices that differ from zero.
@@ -39,7 +39,7 @@ Result<GlbChunks> chunks_of(ByteView bytes) {
   const auto at = [&](std::size_t offset) {
     return load_number<std::uint32_t>(bytes.data() + offset);
   };
-  if (bytes.size() < 12 || at(0) != kMagic) return GlbChunks{bytes, {}};
+  if (bytes.size() < 12 || at(0) != kGlbMagic) return GlbChunks{bytes, {}};
   if (at(4) != 2) {
     return fail(ErrorCode::unsupported,
                 concat("byte 4: is of glTF version ", at(4), "; 2 can be read"));

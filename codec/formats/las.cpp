@@ -12,22 +12,22 @@ namespace pointreel {
 namespace {
 
 /// What the formats of points have. Those from 6 on are of LAS 1.4.
-struct Format {
+struct PointFormat {
   std::uint16_t size = 0;   ///< in bytes, without extra bytes
   std::uint16_t color = 0;  ///< where red is; 0: there is no colour
   bool time = false, infrared = false, waveform = false;
 };
-constexpr std::array<Format, 11> kFormats{{{20},
-                                           {28, 0, true},
-                                           {26, 20},
-                                           {34, 28, true},
-                                           {57, 0, true, false, true},
-                                           {63, 28, true, false, true},
-                                           {30, 0, true},
-                                           {36, 30, true},
-                                           {38, 30, true, true},
-                                           {59, 0, true, false, true},
-                                           {67, 30, true, true, true}}};
+constexpr std::array<PointFormat, 11> kPointFormats{{{20},
+                                                     {28, 0, true},
+                                                     {26, 20},
+                                                     {34, 28, true},
+                                                     {57, 0, true, false, true},
+                                                     {63, 28, true, false, true},
+                                                     {30, 0, true},
+                                                     {36, 30, true},
+                                                     {38, 30, true, true},
+                                                     {59, 0, true, false, true},
+                                                     {67, 30, true, true, true}}};
 
 /// Bytes of headers, from the begin of the file.
 constexpr std::size_t kVersion = 24, kHeaderSize = 94, kPoints = 96, kFormat = 104,
@@ -49,13 +49,13 @@ bool finite(const glm::dvec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-struct Header {
+struct LasHeader {
   RecordTable table;
   std::uint8_t format = 0;
   glm::dvec3 scale{1.0}, offset{0.0};
 };
 
-Result<Header> parse_header(ByteView bytes) {
+Result<LasHeader> parse_header(ByteView bytes) {
   if (bytes.size() < kOldHeader) {
     return fail(
         concat("byte ", bytes.size(), ": the header ends before its ", kOldHeader, " bytes"));
@@ -65,23 +65,23 @@ Result<Header> parse_header(ByteView bytes) {
     return fail(ErrorCode::unsupported,
                 concat("is of LAS version ", major, ".", minor, "; 1.0 to 1.4 can be read"));
   }
-  Header header;
+  LasHeader header;
   const std::uint8_t format = bytes[kFormat];
   if ((format & kCompressed) != 0) {
     return fail(ErrorCode::unsupported,
                 "is compressed (LAZ), which is not read: convert it with \"pdal translate IN.laz "
                 "OUT.las\" or \"las2las -i IN.laz -o OUT.las\"");
   }
-  if (format >= kFormats.size()) {
+  if (format >= kPointFormats.size()) {
     return fail(ErrorCode::unsupported, concat("byte ", kFormat, ": has the point format ",
                                                static_cast<int>(format), "; 0 to 10 can be read"));
   }
   header.format = format;
   header.table.size = at<std::uint16_t>(bytes, kRecordSize);
-  if (header.table.size < kFormats[format].size) {
+  if (header.table.size < kPointFormats[format].size) {
     return fail(concat("byte ", kRecordSize, ": points of ", header.table.size,
                        " bytes are too short for the point format ", static_cast<int>(format),
-                       ", which needs ", kFormats[format].size));
+                       ", which needs ", kPointFormats[format].size));
   }
   header.table.begin = at<std::uint32_t>(bytes, kPoints);
   if (header.table.begin <
@@ -114,8 +114,8 @@ Result<Header> parse_header(ByteView bytes) {
 
 Result<PointCloud> read_las(const ByteSource& source, std::vector<std::string>& unread) {
   Bytes room;
-  const Header header = TRY(parse_header(TRY(source.view(0, kNewHeader, room))));
-  const Format& format = kFormats[header.format];
+  const LasHeader header = TRY(parse_header(TRY(source.view(0, kNewHeader, room))));
+  const PointFormat& format = kPointFormats[header.format];
   const auto vector = [&](std::size_t offset, NumberType type) {
     RecordVector fields;
     for (std::size_t i = 0; i < 3; ++i)

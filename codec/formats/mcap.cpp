@@ -166,7 +166,7 @@ class McapRecording::Impl {
 
   Result<void> scan() {
     Bytes room;
-    std::uint64_t at = kMagic.size();
+    std::uint64_t at = kMcapMagic.size();
     for (;;) {
       const std::optional<Record> record = TRY(record_at(at));
       if (!record || record->opcode == kFooter) return {};

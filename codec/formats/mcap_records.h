@@ -7,7 +7,7 @@
 /// and its size. Source: "MCAP Format Specification", version 0 (mcap.dev/spec).
 namespace pointreel::mcap {
 
-inline constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
+inline constexpr std::string_view kMcapMagic("\x89MCAP0\r\n", 8);
 
 enum Opcode : std::uint8_t {
   kHeader = 0x01,

@@ -36,7 +36,7 @@ struct Field {
   char type = 'F';                    ///< I, U or F
 };
 
-struct Header {
+struct PcdHeader {
   std::vector<Field> fields;
   std::optional<std::uint64_t> width, height, points;
   Data data = Data::ascii;
@@ -54,7 +54,7 @@ Result<std::uint64_t> parse_count(std::string_view word, std::string_view keywor
 
 /// What follows FIELDS, SIZE, TYPE or COUNT: a word for each field.
 template <class Set>
-Result<void> parse_each(std::string_view rest, std::string_view keyword, Header& header,
+Result<void> parse_each(std::string_view rest, std::string_view keyword, PcdHeader& header,
                         const Set& set) {
   std::size_t at = 0;
   for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
@@ -67,7 +67,7 @@ Result<void> parse_each(std::string_view rest, std::string_view keyword, Header&
   return {};
 }
 
-Result<void> parse_fields(std::string_view rest, Header& header) {
+Result<void> parse_fields(std::string_view rest, PcdHeader& header) {
   if (!header.fields.empty()) return fail("FIELDS stands there twice");
   for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
     if (header.fields.size() == kMaxFields)
@@ -86,7 +86,7 @@ bool is_origin(std::string_view rest) {
   return true;
 }
 
-Result<void> parse_line(std::string_view keyword, std::string_view rest, Header& header) {
+Result<void> parse_line(std::string_view keyword, std::string_view rest, PcdHeader& header) {
   if (keyword == "FIELDS" || keyword == "COLUMNS") return parse_fields(rest, header);
   if (keyword == "SIZE" || keyword == "COUNT") {
     return parse_each(
@@ -127,8 +127,8 @@ Result<void> parse_line(std::string_view keyword, std::string_view rest, Header&
   return {};
 }
 
-Result<Header> parse_header(std::string_view text) {
-  Header header;
+Result<PcdHeader> parse_header(std::string_view text) {
+  PcdHeader header;
   Lines lines(text);
   for (std::string_view line; lines.next(line);) {
     std::string_view rest = line;
@@ -150,7 +150,7 @@ Result<Header> parse_header(std::string_view text) {
   return fail(concat("line ", lines.number(), ": the header has no line DATA"));
 }
 
-Result<std::uint64_t> count_of(const Header& header) {
+Result<std::uint64_t> count_of(const PcdHeader& header) {
   if (!header.width && !header.points) return fail("the header has neither WIDTH nor POINTS");
   // Each is below 2^41, and a height above 2^22 with it is no image.
   const std::uint64_t height = header.height.value_or(1);
@@ -195,7 +195,7 @@ struct Table {
 };
 
 /// Offsets and strides are those of the data in a file of this kind with `count` points.
-Result<Table> table_of(const Header& header, std::uint64_t count) {
+Result<Table> table_of(const PcdHeader& header, std::uint64_t count) {
   Table table;
   for (const Field& field : header.fields) {
     const std::optional<NumberType> type = type_of(field);
@@ -229,7 +229,7 @@ Result<Table> table_of(const Header& header, std::uint64_t count) {
 }
 
 /// Reads columns that LZF has compressed.
-Result<PointCloud> read_compressed(const ByteSource& source, const Header& header,
+Result<PointCloud> read_compressed(const ByteSource& source, const PcdHeader& header,
                                    const Table& table, const RecordLayout& layout,
                                    std::uint64_t count) {
   Bytes room;
@@ -264,7 +264,7 @@ bool is_whole(std::string_view word) {
   return !word.empty() && word.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-Result<PointCloud> read_ascii(const ByteSource& source, const Header& header, const Table& table,
+Result<PointCloud> read_ascii(const ByteSource& source, const PcdHeader& header, const Table& table,
                               std::uint64_t count) {
   // Words become records of those fields that have one number.
   std::vector<NamedField> fields = table.single;
@@ -321,7 +321,7 @@ Result<PointCloud> read_ascii(const ByteSource& source, const Header& header, co
 
 Result<PointCloud> read_pcd(const ByteSource& source, std::vector<std::string>& unread) {
   Bytes room;
-  const Header header = TRY(parse_header(text_of(TRY(source.view(0, kMaxHeader, room)))));
+  const PcdHeader header = TRY(parse_header(text_of(TRY(source.view(0, kMaxHeader, room)))));
   const std::uint64_t count = TRY(count_of(header));
   const Table table = TRY(table_of(header, count));
   const RecordLayout layout = TRY(layout_of(table.single, unread));

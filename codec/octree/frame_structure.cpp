@@ -9,7 +9,7 @@
 namespace pointreel {
 namespace {
 
-constexpr std::uint32_t kMostWeight = std::uint32_t{1} << 26;
+constexpr std::uint32_t kMostNodeWeight = std::uint32_t{1} << 26;
 
 /// Numbers are read and written in fours and eights.
 constexpr std::size_t kRoom = 8;
@@ -123,7 +123,7 @@ void FrameStructure::find_weights() {
       const std::uint32_t* const first = kFirst[children].data();
       const Uint4 sum = (load_from<Uint4>(child) & load_from<Uint4>(first)) +
                         (load_from<Uint4>(child + 4) & load_from<Uint4>(first + 4));
-      weights_[node] = std::min(sum[0] + sum[1] + sum[2] + sum[3], kMostWeight);
+      weights_[node] = std::min(sum[0] + sum[1] + sum[2] + sum[3], kMostNodeWeight);
       child += children;
     }
   }

@@ -9,7 +9,7 @@ namespace pointreel {
 namespace {
 
 /// What the script offers for a value: words, or a word that stands for files or folders.
-std::string offer(const Value& value) {
+std::string bash_offer(const Value& value) {
   switch (value.kind) {
     case Value::Kind::words:
       return fmt::format("{}", fmt::join(value.words, " "));
@@ -100,7 +100,7 @@ std::string bash_completion(const std::vector<Command>& commands) {
       options.insert(options.end(), names.begin(), names.end());
       if (!value_is_optional(*option)) {
         values += fmt::format("    {}) offer='{}' ;;\n", pattern(command, names),
-                              offer(value_of(*option)));
+                              bash_offer(value_of(*option)));
       }
     }
     for (const CLI::App* subcommand : command.subcommands) below.push_back(subcommand->get_name());
@@ -110,7 +110,7 @@ std::string bash_completion(const std::vector<Command>& commands) {
     }
     std::string arguments = fmt::format("{}", fmt::join(below, " "));
     for (const CLI::Option* argument : command.arguments) {
-      if (arguments.empty()) arguments = offer(value_of(*argument));
+      if (arguments.empty()) arguments = bash_offer(value_of(*argument));
     }
     offers += fmt::format("      '{}') offer='{}' options='{}' ;;\n", command.words(), arguments,
                           fmt::join(options, " "));

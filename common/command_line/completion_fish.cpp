@@ -17,7 +17,7 @@ std::string quoted(const std::string& text) {
 }
 
 /// What follows an option or an argument: options of `complete`.
-std::string offer(const Value& value) {
+std::string fish_offer(const Value& value) {
   switch (value.kind) {
     case Value::Kind::words:
       return " -x -a " + quoted(fmt::format("{}", fmt::join(value.words, " ")));
@@ -79,7 +79,7 @@ std::string fish_completion(const std::vector<Command>& commands) {
         skipped += fmt::format(" '{} {}'", words, name);
       }
       completions += fmt::format("{}{}{} -d {}\n", at, names,
-                                 value_is_optional(*option) ? "" : offer(value_of(*option)),
+                                 value_is_optional(*option) ? "" : fish_offer(value_of(*option)),
                                  quoted(short_description(*option)));
       if (!value_is_optional(*option))
         values += fmt::format("            case{}\n                set skip 1\n", skipped);

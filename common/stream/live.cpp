@@ -17,10 +17,10 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::uint32_t kMagic = 0x314c5250;  // "PRL1"
+constexpr std::uint32_t kLayerMagic = 0x314c5250;  // "PRL1"
 constexpr std::size_t kMaxStreamName = 64;
 
-std::uint32_t header_checksum(ByteView header) {
+std::uint32_t layer_header_checksum(ByteView header) {
   return static_cast<std::uint32_t>(checksum_of(header));
 }
 
@@ -201,7 +201,7 @@ Bytes write_live_header(const LiveLayer& layer) {
   Bytes header;
   header.reserve(kLiveHeaderSize);
   ByteWriter out(header);
-  out.put(kMagic);
+  out.put(kLayerMagic);
   out.put(layer.frame);
   out.put(layer.capture_us);
   out.put(layer.points);
@@ -211,7 +211,7 @@ Bytes write_live_header(const LiveLayer& layer) {
   out.put(layer.sizes.geometry);
   out.put(layer.sizes.colors);
   out.put(layer.sizes.normals);
-  out.put(header_checksum(header));
+  out.put(layer_header_checksum(header));
   return header;
 }
 
@@ -230,8 +230,8 @@ Result<LiveLayer> next_live_layer(ByteView& messages) {
   layer.sizes.normals = in.get<std::uint32_t>();
   const auto checksum = in.get<std::uint32_t>();
   if (!in.ok()) return fail("layer: is shorter than its header");
-  if (magic != kMagic) return fail("layer: does not begin with PRL1");
-  if (checksum != header_checksum(messages.first(kLiveHeaderSize - sizeof(checksum)))) {
+  if (magic != kLayerMagic) return fail("layer: does not begin with PRL1");
+  if (checksum != layer_header_checksum(messages.first(kLiveHeaderSize - sizeof(checksum)))) {
     return fail("layer: its header is damaged");
   }
   if (reserved != 0) return fail("layer: reserved bytes are not 0");

@@ -8,26 +8,28 @@
 namespace pointreel {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x31535250;  // "PRS1"
+constexpr std::uint32_t kSoundMagic = 0x31535250;  // "PRS1"
 
-std::uint32_t header_checksum(ByteView header) {
+std::uint32_t sound_header_checksum(ByteView header) {
   return static_cast<std::uint32_t>(checksum_of(header));
 }
 
 }  // namespace
 
-bool is_live_sound(ByteView message) { return ByteReader(message).get<std::uint32_t>() == kMagic; }
+bool is_live_sound(ByteView message) {
+  return ByteReader(message).get<std::uint32_t>() == kSoundMagic;
+}
 
 Bytes write_live_sound(const LiveSound& sound) {
   Bytes message;
   message.reserve(kSoundHeaderSize + sound.packet.size());
   ByteWriter out(message);
-  out.put(kMagic);
+  out.put(kSoundMagic);
   out.put(sound.number);
   out.put(sound.capture_us);
   out.put(sound.samples);
   out.put(std::uint16_t{0});
-  out.put(header_checksum(message));
+  out.put(sound_header_checksum(message));
   message.insert(message.end(), sound.packet.begin(), sound.packet.end());
   return message;
 }
@@ -42,8 +44,8 @@ Result<LiveSound> parse_live_sound(ByteView message) {
   const auto reserved = in.get<std::uint16_t>();
   const auto checksum = in.get<std::uint32_t>();
   if (!in.ok()) return fail("sound: is shorter than its header");
-  if (magic != kMagic) return fail("sound: does not begin with PRS1");
-  if (checksum != header_checksum(message.first(kSoundHeaderSize - sizeof(checksum))))
+  if (magic != kSoundMagic) return fail("sound: does not begin with PRS1");
+  if (checksum != sound_header_checksum(message.first(kSoundHeaderSize - sizeof(checksum))))
     return fail("sound: its header is damaged");
   if (reserved != 0) return fail("sound: reserved bytes are not 0");
   if (sound.capture_us > kMaxCaptureTime) return fail("sound: its capture time is out of range");

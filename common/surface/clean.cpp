@@ -64,7 +64,7 @@ constexpr float kRepeated = 0.1f;
 /// Points with less than this share of the weight that a surface would give them are alone.
 constexpr float kLeastSupport = 0.2f;
 /// What a point contributes itself is at most 1.
-constexpr float kOwnWeight = 1.01f;
+constexpr float kOwnSampleWeight = 1.01f;
 /// A cloud of which a smaller share has a surface is no scan of one.
 constexpr double kLeastKept = 0.5;
 /// Where the radius would be more than so many times that of the nearest points, or that of
@@ -262,7 +262,7 @@ CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor
     const float whole = weight_of_plane(radii[i], measured[i].spacing);
     if (radii[i] == 0.0f) {
       fates[index] = Fate::kUnchanged;
-    } else if (!(samples[i].weight > std::max(kLeastSupport * whole, kOwnWeight))) {
+    } else if (!(samples[i].weight > std::max(kLeastSupport * whole, kOwnSampleWeight))) {
       fates[index] = Fate::kRemoved;
     } else if (glm::distance(samples[i].position, cloud.positions[index]) > report.radius) {
       fates[index] = Fate::kUnchanged;

@@ -11,7 +11,7 @@ namespace pointreel {
 namespace {
 
 /// The cosine of the largest angle between the normals of neighbours that are on one surface.
-constexpr float kLeastCosine = 0.3f;
+constexpr float kLeastLeafCosine = 0.3f;
 /// More gain less than 1 %.
 constexpr int kRounds = 3;
 
@@ -31,7 +31,7 @@ std::vector<Link> find_links(const Svo& svo, std::span<const glm::vec3> normals,
                         static_cast<float>(place / 3 % 3) - 1.0f,
                         static_cast<float>(place / 9) - 1.0f);
     const float cosine = glm::dot(normals[first], normals[second]);
-    if ((lines ? std::abs(cosine) : cosine) < kLeastCosine) continue;
+    if ((lines ? std::abs(cosine) : cosine) < kLeastLeafCosine) continue;
     const float sign = cosine < 0.0f ? -1.0f : 1.0f;
     links.push_back(
         {first, second, cosine, 0.5f * glm::dot(way, normals[first] + sign * normals[second])});

@@ -22,7 +22,7 @@ namespace {
 
 /// The number of points in a cell that the choice of level aims at. A cell and its neighbours then
 /// contain about 25.
-constexpr double kPointsPerCell = 2.0;
+constexpr double kPointsPerNormalCell = 2.0;
 /// If a cell and its neighbours contain fewer points, those of its parent are used instead, up to
 /// kMaxCoarser times.
 constexpr double kMinPoints = 8;
@@ -132,7 +132,7 @@ float finite_radius(double radius) {
 class SurfaceEstimate {
  public:
   explicit SurfaceEstimate(const PointCloud& cloud) : cloud_(cloud) {
-    SortedIntoCells cells = sort_into_cells(cloud, kPointsPerCell);
+    SortedIntoCells cells = sort_into_cells(cloud, kPointsPerNormalCell);
     sorted_ = std::move(cells.sorted);
     svo_ = build_svo(sorted_, cells.level);
     blocks_ = node_blocks(svo_);

@@ -9,9 +9,9 @@ namespace pointreel {
 namespace {
 
 /// Below this share of the sum of squares, their spread consists of rounding errors.
-constexpr float kRounding = 1e-6f;
+constexpr float kLaneRounding = 1e-6f;
 /// The least square length of the mean normal at which it has a direction.
-constexpr float kLeastNormal = 1e-10f;
+constexpr float kLeastSquaredNormal = 1e-10f;
 /// Below this share of the square of the trace, the cofactors of second moments are rounding
 /// errors.
 constexpr double kLeastCofactor = 1e-7;
@@ -95,9 +95,9 @@ template <bool kMoments>
   const Lanes px = sums.px * per_weight, py = sums.py * per_weight, pz = sums.pz * per_weight;
   const Lanes nx = sums.nx * per_weight, ny = sums.ny * per_weight, nz = sums.nz * per_weight;
   const Lanes pp = sums.pp * per_weight, pn = sums.pn * per_weight;
-  LaneMask found = any & (nx * nx + ny * ny + nz * nz > kLeastNormal);
+  LaneMask found = any & (nx * nx + ny * ny + nz * nz > kLeastSquaredNormal);
   const Lanes spread = pp - (px * px + py * py + pz * pz);
-  const LaneMask spreads = spread > kRounding * pp;
+  const LaneMask spreads = spread > kLaneRounding * pp;
   const Lanes u4 = spreads ? 0.5f * beta * (pn - (px * nx + py * ny + pz * nz)) /
                                  (spreads ? spread : zero + 1.0f)
                            : zero;

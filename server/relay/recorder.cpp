@@ -11,7 +11,7 @@ namespace pointreel {
 namespace fs = std::filesystem;
 namespace {
 
-std::uint64_t bytes_of(const LiveSegment& segment) {
+std::uint64_t bytes_of_files(const LiveSegment& segment) {
   std::uint64_t bytes = 0;
   for (const std::string& file : segment.files) bytes += file.size();
   return bytes;
@@ -64,11 +64,11 @@ void LiveRecorder::end() {
 }
 
 void LiveRecorder::append(LiveSegment segment) {
-  waiting_bytes_ += bytes_of(segment);
+  waiting_bytes_ += bytes_of_files(segment);
   waiting_.push_back(std::move(segment));
   write_waiting();
   for (; waiting_bytes_ > options_.waiting_bytes; waiting_.pop_front()) {
-    waiting_bytes_ -= bytes_of(waiting_.front());
+    waiting_bytes_ -= bytes_of_files(waiting_.front());
     lost_frames_ += waiting_.front().entry.frame_count();
   }
 }
@@ -83,7 +83,7 @@ void LiveRecorder::write_waiting() {
       }
       return;
     }
-    waiting_bytes_ -= bytes_of(waiting_.front());
+    waiting_bytes_ -= bytes_of_files(waiting_.front());
     write_sound();
   }
   if (std::exchange(stopped_, false)) {

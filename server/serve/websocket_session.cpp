@@ -32,7 +32,7 @@ namespace websocket = boost::beast::websocket;
 
 /// How many bytes the kernel may hold for a viewer in addition to those in flight. They can no
 /// longer be dropped, so slow viewers see them late: at 1 Mbit/s this is an eighth of a second.
-constexpr int kUnsentLimit = 16 * 1024;
+constexpr int kUnsentFramesLimit = 16 * 1024;
 /// Viewers have nothing to send.
 constexpr std::size_t kMaxViewerMessage = 64 * 1024;
 
@@ -60,13 +60,14 @@ struct Session {
 Task<void> write_messages(std::shared_ptr<Session> session, std::unique_ptr<Viewer> viewer,
                           std::shared_ptr<Wake> wake) {
   Socket& socket = session->transport->socket();
-  ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentLimit,
-               sizeof(kUnsentLimit));
+  ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentFramesLimit,
+               sizeof(kUnsentFramesLimit));
   error_code error;
   while (!error && socket.is_open()) {
     // Asks the relay as late as possible, because the answer depends on what is newest.
     int unsent = 0;
-    if (::ioctl(socket.native_handle(), SIOCOUTQNSD, &unsent) == 0 && unsent >= kUnsentLimit) {
+    if (::ioctl(socket.native_handle(), SIOCOUTQNSD, &unsent) == 0 &&
+        unsent >= kUnsentFramesLimit) {
       session->transport->set_stall_deadline();
       co_await socket.async_wait(Socket::wait_write, asio::redirect_error(kUseAwaitable, error));
       session->transport->suspend_deadline();

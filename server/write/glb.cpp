@@ -22,8 +22,8 @@ using nlohmann::ordered_json;
 
 constexpr int kFloat = 5126, kUint16 = 5123, kUint32 = 5125;  // component types
 constexpr int kVertexData = 34962, kIndexData = 34963;        // targets of buffer views
-constexpr std::uint32_t kMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
-constexpr std::uint64_t kMostBytes = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
+constexpr std::uint64_t kMostGlbBytes = std::numeric_limits<std::uint32_t>::max();
 /// For all that is not in meshes.
 constexpr std::uint64_t kSpareBytes = 1u << 26;
 constexpr std::uint64_t kPositionBytes = 12, kNormalBytes = 12, kColorBytes = 8,
@@ -239,7 +239,7 @@ Result<void> GlbWriter::add(const TriangleMesh& mesh, std::uint64_t time_us) {
   frame.origin = vertices.origin;
   const std::uint64_t per_vertex = kPositionBytes + kNormalBytes + (frame.colors ? kColorBytes : 0);
   const std::uint64_t bytes = per_vertex * vertices.size() + kTriangleBytes * mesh.triangles.size();
-  if (size_ + bytes + kSpareBytes > kMostBytes) {
+  if (size_ + bytes + kSpareBytes > kMostGlbBytes) {
     return fail(ErrorCode::limit,
                 fmt::format("{}: would be larger than 4 GiB, the most that a .glb file may be; ask "
                             "for fewer frames or triangles",
@@ -269,7 +269,7 @@ Result<void> GlbWriter::finish(std::uint64_t end_us) {
   json.resize((json.size() + 3) / 4 * 4, ' ');
   const std::uint64_t bin = size_ + document.data().size() * sizeof(float);
   const std::uint64_t total = 12 + 8 + json.size() + (bin > 0 ? 8 + bin : 0);
-  if (total > kMostBytes) {
+  if (total > kMostGlbBytes) {
     return fail(
         ErrorCode::limit,
         fmt::format("{}: would be larger than 4 GiB; ask for fewer frames", path_.string()));
@@ -279,7 +279,7 @@ Result<void> GlbWriter::finish(std::uint64_t end_us) {
     const auto value = static_cast<std::uint32_t>(word);
     out.write(reinterpret_cast<const char*>(&value), sizeof(value));
   };
-  put(kMagic);
+  put(kGlbMagic);
   put(2);
   put(total);
   put(json.size());

@@ -24,7 +24,7 @@ constexpr std::uint16_t kId = 1;  ///< of the only schema and the only channel
 constexpr std::string_view kZstd = "zstd";
 /// As fast as disks are. More effort gains little on floats.
 constexpr int kZstdLevel = 1;
-constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+constexpr std::uint64_t kMostMessageBytes = std::uint64_t{1} << 30;
 
 /// The members of a PointCloud2, as readers need them to decode it.
 constexpr std::string_view kDefinition = R"(std_msgs/Header header
@@ -68,7 +68,7 @@ constexpr std::uint8_t kFloat32 = 7, kFloat64 = 8;
   std::memcpy(out.data() + at, bytes, size);
 }
 
-void put_text(Bytes& out, std::string_view text) {
+void put_string(Bytes& out, std::string_view text) {
   ByteWriter(out).put(static_cast<std::uint32_t>(text.size()));
   put_bytes(out, text.data(), text.size());
 }
@@ -135,9 +135,9 @@ void put_cloud(Bytes& out, const PointCloud& cloud, std::uint64_t time_us) {
 void put_schema(Bytes& out) {
   put_record(out, kSchema, [](Bytes& content) {
     ByteWriter(content).put(kId);
-    put_text(content, "sensor_msgs/msg/PointCloud2");
-    put_text(content, "ros2msg");
-    put_text(content, kDefinition);
+    put_string(content, "sensor_msgs/msg/PointCloud2");
+    put_string(content, "ros2msg");
+    put_string(content, kDefinition);
   });
 }
 
@@ -145,8 +145,8 @@ void put_channel(Bytes& out) {
   put_record(out, kChannel, [](Bytes& content) {
     ByteWriter(content).put(kId);
     ByteWriter(content).put(kId);
-    put_text(content, "/points");
-    put_text(content, "cdr");
+    put_string(content, "/points");
+    put_string(content, "cdr");
     ByteWriter(content).put(std::uint32_t{0});
   });
 }
@@ -156,7 +156,7 @@ void put_channel(Bytes& out) {
 Result<RecordedFrame> record_frame(const PointCloud& cloud, std::uint64_t time_us) {
   std::uint64_t step = 0;
   for (const RecordColumn& column : record_columns(cloud)) step += column.bytes();
-  if (step * cloud.size() > kMostBytes - (1u << 16))
+  if (step * cloud.size() > kMostMessageBytes - (1u << 16))
     return fail(ErrorCode::limit, "the frame has too many points for a message of 1 GiB");
   RecordedFrame frame;
   frame.time_ns = 1000 * time_us;
@@ -182,10 +182,10 @@ Result<RecordedFrame> record_frame(const PointCloud& cloud, std::uint64_t time_u
 RecordingWriter::RecordingWriter(std::filesystem::path path)
     : path_(std::move(path)), file_(path_, std::ios::binary) {
   Bytes bytes;
-  put_bytes(bytes, kMagic.data(), kMagic.size());
+  put_bytes(bytes, kMcapMagic.data(), kMcapMagic.size());
   put_record(bytes, kHeader, [](Bytes& content) {
-    put_text(content, "ros2");
-    put_text(content, "Pointreel " POINTREEL_VERSION);
+    put_string(content, "ros2");
+    put_string(content, "Pointreel " POINTREEL_VERSION);
   });
   put_schema(bytes);
   put_channel(bytes);
@@ -216,7 +216,7 @@ Result<void> RecordingWriter::add(const RecordedFrame& frame) {
     out.put(frame.time_ns);
     out.put(frame.unpacked);
     out.put(frame.checksum);
-    put_text(content, kZstd);
+    put_string(content, kZstd);
     out.put(place.packed);
     put_bytes(content, frame.packed.data(), frame.packed.size());
   });
@@ -277,7 +277,7 @@ Bytes RecordingWriter::summary() const {
         out.put(kId);
         out.put(place.begin + place.bytes);
         out.put(place.index_bytes);
-        put_text(content, kZstd);
+        put_string(content, kZstd);
         out.put(place.packed);
         out.put(place.unpacked);
       });
@@ -295,7 +295,7 @@ Bytes RecordingWriter::summary() const {
   const std::size_t covered = bytes.size() - sizeof(std::uint32_t);
   const auto checksum = static_cast<std::uint32_t>(crc32_z(0, bytes.data(), covered));
   std::memcpy(bytes.data() + covered, &checksum, sizeof(checksum));
-  put_bytes(bytes, kMagic.data(), kMagic.size());
+  put_bytes(bytes, kMcapMagic.data(), kMcapMagic.size());
   return bytes;
 }
 

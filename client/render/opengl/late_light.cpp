@@ -4,15 +4,11 @@
 #include <utility>
 
 #include "client/render/opengl/instancing/instance_array.h"
+#include "client/render/opengl/picture_program.h"
 #include "common/base/try.h"
 
 namespace pointreel {
 namespace {
-
-gl::LateProgram picture_program(std::vector<std::string_view> fragment_files) {
-  return gl::LateProgram({{GL_VERTEX_SHADER, {"shaders/whole_picture.vert.glsl"}},
-                          {GL_FRAGMENT_SHADER, std::move(fragment_files)}});
-}
 
 gl::Texture make_filtered(GLenum format, int edge) {
   gl::Texture texture = gl::make_texture(format, edge, edge);

@@ -8,17 +8,13 @@
 
 #include "client/render/hole_rules.h"
 #include "client/render/opengl/instancing/instance_array.h"
+#include "client/render/opengl/picture_program.h"
 #include "common/base/try.h"
 
 namespace pointreel {
 namespace {
 
 using namespace hole_rules;
-
-gl::LateProgram picture_program(std::vector<std::string_view> fragment_files) {
-  return gl::LateProgram({{GL_VERTEX_SHADER, {"shaders/whole_picture.vert.glsl"}},
-                          {GL_FRAGMENT_SHADER, std::move(fragment_files)}});
-}
 
 /// The texels of a level that is `times` as coarse that overlap `part`, and one more on each side,
 /// which linear filtering reads.

@@ -120,13 +120,12 @@ PlayCommand::PlayCommand(CLI::App& app) {
 
 void PlayCommand::add_sources(CLI::App& command) {
   command
-      .add_option(
-          "SOURCE", sources_,
-          "What to play: a package, as a folder or an http://, https:// or s3:// address; a "
-          "folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, "
-          "nuScenes), or of depth/*.png, or one "
-          "such file; or a live stream, as ws://.../live/NAME, wss:// "
-          "or http(s)://.../live/NAME/reel.json. Several sources are shown in one scene")
+      .add_option("SOURCE", sources_,
+                  "What to play: a package, as a folder or an http://, https:// or s3:// address; "
+                  "a folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, "
+                  "nuScenes, MCAP) or of depth cameras (depth/*.png or .mkv, with intrinsics in "
+                  "JSON), or one such file; or a live stream, as ws://.../live/NAME, wss:// "
+                  "or http(s)://.../live/NAME/reel.json. Several sources are shown in one scene")
       ->required()
       ->type_name("");
   const std::string group = "Sources";
@@ -189,7 +188,7 @@ void PlayCommand::add_sources(CLI::App& command) {
   command
       .add_option("--up", up_,
                   "The axis that points up: x, -x, y, -y, z or -z (default: what the package says; "
-                  "for files, z in LAS, KITTI and nuScenes files, and otherwise y)")
+                  "for files, z in LAS, KITTI, nuScenes and MCAP files, and otherwise y)")
       ->check(check(parse_up_name))
       ->type_name("AXIS")
       ->group(group);

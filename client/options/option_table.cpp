@@ -146,10 +146,11 @@ std::vector<Option> make_table() {
        .old_name = "delta"},
       {"fill_holes", flag([](auto& s) -> auto& { return s.draw.fill_holes; }),
        "Fill holes with what surrounds them (the default). With --splatting normalized this closes "
-       "surfaces whose inside would show through; among voxels it closes gaps of up to three",
+       "surfaces whose inside would show through; among voxels it closes gaps of up to three "
+       "voxels",
        "Fill holes",
        "Surfels: closes holes through which the inside would show\n"
-       "Voxels: closes gaps of up to three"},
+       "Voxels: closes gaps of up to three voxels"},
       {"refine", choice([](auto& s) -> auto& { return s.refine; }),
        "Divide surfels that look large, so that a close view shows a surface and not discs: auto, "
        "where a picture is not urgent; or off",
@@ -181,12 +182,12 @@ std::vector<Option> make_table() {
        "lists what is visible. The picture is the same",
        "Instancing", "How each element becomes triangles; the picture is the same"},
       {"drafts", choice([](auto& s) -> auto& { return s.drafts; }),
-       "When the window may draw with a half or a quarter of the pixels per side if time is short: "
-       "never; moving, while you move the camera or drag the time; or playing, then and also when "
-       "frames would be dropped otherwise",
+       "When the window may draw coarser pictures if time is short, with larger elements first, "
+       "and then with a half or a quarter of the pixels per side: never; moving, while you move "
+       "the camera or drag the timeline; or playing, also while frames play",
        "Drafts",
-       "Fewer pixels if time is short: never, while you move the camera or\n"
-       "drag the time, or also while it plays"},
+       "Coarser pictures if time is short: never, while you move the camera or\n"
+       "drag the timeline, or also while frames play"},
       {.name = "ui_scale",
        .value = number([](auto& s) -> auto& { return s.ui_scale; }, {0, 4}, {{0, 4}, "%.2f"}),
        .help = "Size of panels and text, 0.5 to 4; 0 as the screen asks, and larger on 4K screens. "

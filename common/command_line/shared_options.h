@@ -19,10 +19,9 @@ CLI::Option* add_frame_memory_option(CLI::App& command, Integer& mib) {
   mib = static_cast<Integer>(kFrameMemory >> 20);
   return command
       .add_option("--frame-memory", mib,
-                  fmt::format("The memory that decoding a frame may take, in MiB (default: {}). A "
-                              "frame that claims so many points that it would take more is not "
-                              "decoded, because few bytes can claim many points; this bounds its "
-                              "time too",
+                  fmt::format("Memory that decoding a frame may take, in MiB (default: {}). Frames "
+                              "that would need more are refused, because a few bytes can claim "
+                              "millions of points; this also limits the time that a frame takes",
                               mib))
       ->check(CLI::Range(1, 1 << 20))
       ->type_name("MIB");

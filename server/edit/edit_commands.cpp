@@ -110,7 +110,8 @@ void add_cut_command(CLI::App& app, int& exit_code) {
       "cut",
       "Make a package of a part of another one, without encoding anything again\n"
       "Segments stay whole, so a little more than asked for is kept at either end: up to a second "
-      "of recordings, and up to --segment frames of what was packed. Sound is cut, too.");
+      "of a recording, and up to the frames of a segment (pack --segment, 30) of what was packed. "
+      "Sound is cut, too.");
   command->add_option("INPUT", a->reel, "the folder or the address of the package")
       ->required()
       ->type_name("");
@@ -144,8 +145,9 @@ void add_join_command(CLI::App& app, int& exit_code) {
       "join",
       "Make one package of several, such as recordings of one stream, without encoding anything "
       "again\n"
-      "Each begins when the one before it is over. They must have the same codec, layers, frame "
-      "rate and attributes of points. Sound is joined, too. (pack join is for parts of a plan.)");
+      "Each begins when the one before it is over. They must have the same codec, entropy coder, "
+      "layers, frame rate, up axis, colours, normals and scalar fields. Sound is joined, too. "
+      "(pack join is for parts of a plan.)");
   command
       ->add_option("INPUTS", a->reels,
                    "the folders or the addresses of the packages, in the order in which they are "

@@ -43,8 +43,8 @@ void SequenceArguments::add_to(CLI::App& command, const char* default_name,
              ->check(number_option("a number from 0.000001 to 1000000", is_frame_rate))
              ->capture_default_str();
   up_ = add_choice<char>(command, "--up", sequence.up, {{"y", 'y'}, {"z", 'z'}},
-                         "the axis that points up, unless the format of the files tells it (z in "
-                         "LAS, KITTI and nuScenes files)");
+                         "the axis that points up, unless the format of the files tells it, as "
+                         "LAS, KITTI, nuScenes and MCAP do with z");
   add_placement_options(command, sequence.placement);
   command.add_option("--name", sequence.name,
                      fmt::format("a name for people (default: that of the {})", default_name));

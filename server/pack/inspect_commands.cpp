@@ -321,13 +321,12 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
       ->type_name("A-B");
   add_frame_memory_option(*unpack, a->frame_memory);
   add_store_options(*unpack, a->http);
-  CLI::Option* mesh = unpack->add_flag(
-      "--mesh", a->mesh, "make a mesh of the surface that the points of each frame stand for");
+  CLI::Option* mesh = unpack->add_flag("--mesh", a->mesh,
+                                       "make a surface of triangles from the points of each frame");
   unpack
-      ->add_option(
-          "--format", a->format,
-          "the files of points: ply, pcd, las, npz for numpy, or mcap, one recording of ROS 2 with "
-          "all frames; the files of meshes: ply, obj (Wavefront), or glb (binary glTF 2.0)")
+      ->add_option("--format", a->format,
+                   "of points: ply, pcd, las, npz (numpy) or mcap (one ROS 2 recording of all "
+                   "frames); of meshes: ply, obj or glb, which is binary glTF")
       ->check(CLI::IsMember({"ply", "pcd", "las", "npz", "mcap", "obj", "glb"}))
       ->capture_default_str();
   unpack

@@ -42,7 +42,9 @@ void PackArguments::add_to(CLI::App& command) {
                ->required()
                ->type_name("PATH")
                ->expected(1, -1);
-  output_ = command.add_option("-o,--output", options_.output, "the folder of the package")
+  output_ = command
+                .add_option("-o,--output", options_.output,
+                            "the folder of the package; not needed with --to")
                 ->required()
                 ->type_name("FOLDER");
   add_topic_option(command, options_.topic);

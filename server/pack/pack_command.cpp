@@ -264,8 +264,8 @@ void add_pack_command(CLI::App& app, int& exit_code) {
             arguments->upload.to = to;
             arguments->pack.require_no_output();
           },
-          "upload the package into an object store, s3://BUCKET/REEL; without -o it is kept "
-          "nowhere else. Files that are there already are not sent again")
+          "upload the package to an object store, s3://BUCKET/REEL; with -o, keep a local copy, "
+          "too. Files that are there already are not sent again")
       ->type_name("ADDRESS");
   add_store_options(*command, arguments->upload.http);
   command->callback([arguments, command, &exit_code] {

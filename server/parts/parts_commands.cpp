@@ -114,15 +114,17 @@ int run_submit(const SlurmOptions& options, bool wait) {
 }
 
 CLI::Option* add_output(CLI::App& command, std::filesystem::path& output) {
-  return command.add_option("-o,--output", output, "the output of the plan")
+  return command.add_option("-o,--output", output, "the same as that of pack plan")
       ->required()
       ->type_name("FOLDER");
 }
 
 CLI::App* add_plan(CLI::App& pack, int& exit_code) {
   const auto arguments = std::make_shared<PackArguments>();
-  CLI::App* command = pack.add_subcommand(
-      "plan", "Prepare packing in parts, on several machines that share a file system");
+  CLI::App* command =
+      pack.add_subcommand("plan",
+                          "Prepare packing in parts, on several machines that share a file system\n"
+                          "Then run pack part I/N for each part, and pack join once all are done.");
   arguments->add_to(*command);
   command->callback([arguments, &exit_code] { exit_code = run_plan(*arguments); });
   return command;

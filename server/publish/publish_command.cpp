@@ -150,11 +150,12 @@ void add_publish_command(CLI::App& app, int& exit_code) {
       "Players show the stream from ws://HOST:PORT/live/NAME. A lost connection is restored. The "
       "exit code is 1 if the server has accepted no frame.");
   command
-      ->add_option("-i,--input", a.input,
-                   "a folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, "
-                   "nuScenes), or of depth/*.png, which "
-                   "is played at --fps, or - for standard input: for each frame its size in four "
-                   "bytes, little endian, and then a PLY, Draco, PCD or LAS file")
+      ->add_option(
+          "-i,--input", a.input,
+          "a folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, nuScenes, "
+          "MCAP) or of depth cameras (depth/*.png or .mkv), or one such file, played at --fps or "
+          "at its recorded times; or - for standard input: for each frame its size in four bytes, "
+          "little endian, and then a PLY, Draco, PCD, LAS or glTF file")
       ->required()
       ->type_name("FOLDER|-");
   add_topic_option(*command, a.topic);

@@ -290,8 +290,9 @@ CLI::App* define_serve(CLI::App& app, const std::shared_ptr<ServeArguments>& arg
       "ok, and /metrics is for Prometheus. Live streams are at /live/NAME, over WebSocket or "
       "HTTP.\n"
       "--config FILE reads options from a file: a line [serve], then lines NAME = VALUE. On SIGHUP "
-      "the command line and this file are read again: packages, tokens and the certificate. "
-      "Packages in a folder are found while it is served.");
+      "the command line and this file are read again: packages, the view and publish tokens, and "
+      "the certificate; tokens for relaying are read only at the start. Packages in a folder are "
+      "found while it is served.");
   app.set_config(
          "--config", "",
          "Read a command's options from FILE (TOML): a line [COMMAND], then lines NAME = VALUE")
@@ -337,8 +338,8 @@ CLI::App* define_serve(CLI::App& app, const std::shared_ptr<ServeArguments>& arg
   command
       ->add_option("--relay-from", arguments->relay_from,
                    "also relay the live streams of another server, ws(s)://HOST/live, or one of "
-                   "them, ws(s)://HOST/live/NAME; NAME=URL gives them other names, in which * "
-                   "stands for the name on that server; may be repeated")
+                   "them, ws(s)://HOST/live/NAME; NAME=URL renames them: * in NAME stands for the "
+                   "name on that server, as in 'paris-*=ws://HOST/live'; may be repeated")
       ->type_name("[NAME=]URL")
       ->allow_extra_args(false)
       ->needs(live);
@@ -349,11 +350,10 @@ CLI::App* define_serve(CLI::App& app, const std::shared_ptr<ServeArguments>& arg
           ->type_name("TOKEN")
           ->envname("POINTREEL_RELAY_TOKEN");
   command
-      ->add_option(
-          "--relay-token-file", arguments->relay_token_file,
-          "a file with the view tokens of servers named by --relay-from: in each line "
-          "ws(s)://HOST[:PORT], blanks and the token of this server, which no other server "
-          "gets; those that are not in it get --relay-token")
+      ->add_option("--relay-token-file", arguments->relay_token_file,
+                   "a file with a view token for each server that --relay-from names: lines of "
+                   "ws(s)://HOST[:PORT], blanks and the token. A token is sent to its own server "
+                   "only; servers without a line get --relay-token")
       ->type_name("FILE");
   command
       ->add_option("--relay-ca-file", arguments->relay_ca,
@@ -374,16 +374,17 @@ CLI::App* define_serve(CLI::App& app, const std::shared_ptr<ServeArguments>& arg
           ->envname("POINTREEL_PUBLISH_TOKEN");
   command->add_flag("--allow-local-publish", options.service.allow_local_publish,
                     "without a publish token, let connections from this machine publish although "
-                    "the server listens on other addresses too; so may everybody for whom a proxy "
-                    "on this machine connects");
+                    "the server listens on other addresses too; do not use it behind a proxy on "
+                    "this machine, because all its clients then look local");
   command
       ->add_option("--allow-origin", arguments->origins,
                    "let pages of this origin, such as https://example.org, read what the server "
                    "answers and connect to live streams; * for all pages; may be repeated")
       ->type_name("ORIGIN")
       ->allow_extra_args(false);
-  command->add_flag("--no-page", arguments->no_page,
-                    "answer browsers as other programs; without this, they get a page that plays");
+  command->add_flag(
+      "--no-page", arguments->no_page,
+      "give browsers JSON and redirects, as other programs get, instead of the page that plays");
   command
       ->add_option("--log", arguments->log,
                    "what to write to standard error, as JSON lines: debug, info (each request), "
@@ -405,8 +406,8 @@ CLI::App* define_serve(CLI::App& app, const std::shared_ptr<ServeArguments>& arg
       ->capture_default_str();
   command
       ->add_option("--least-rate", options.least_rate,
-                   "bytes per second, on average, at which a publisher's message must come once it "
-                   "has begun, with five seconds in addition; 0: none")
+                   "lowest average rate, in bytes per second, of a publisher's message once it has "
+                   "begun, after five seconds of grace; 0: no limit")
       ->check(number_within(0.0, 1e9))
       ->type_name("BYTES")
       ->capture_default_str();
@@ -416,9 +417,10 @@ CLI::App* define_serve(CLI::App& app, const std::shared_ptr<ServeArguments>& arg
         ->capture_default_str();
   };
   add_count("--max-hellos", options.max_hellos,
-            "publishers at a time that have connected and not said hello; further ones get 503");
+            "publishers at a time that have connected but not yet sent their hello; further ones "
+            "get 503");
   add_count("--max-hellos-per-address", options.max_hellos_per_address,
-            "of these, from one address");
+            "as --max-hellos, for publishers from one address");
   const auto add_size = [command](const char* flag, std::size_t& value, const char* description) {
     command->add_option(flag, value, description)
         ->transform(CLI::AsSizeValue(false))
@@ -430,7 +432,7 @@ CLI::App* define_serve(CLI::App& app, const std::shared_ptr<ServeArguments>& arg
       "bytes of publishers' messages that have begun and are not complete; the publisher whose "
       "message exceeds this is disconnected");
   add_size("--max-unfinished-per-address", options.max_unfinished_per_address,
-           "of these, from one address");
+           "as --max-unfinished, for publishers from one address");
   command
       ->add_option("--publisher-grace", arguments->grace,
                    "for how long a stream's name is kept for a publisher that has lost its "

@@ -54,7 +54,7 @@ void add_upload_command(CLI::App& app, int& exit_code) {
   command->add_option("TO", a->options.to, "where to: s3://BUCKET/REEL")->required()->type_name("");
   add_store_options(*command, a->options.http);
   command->add_flag("--follow", a->options.follow,
-                    "if the recording still grows, upload what is added to it, too, until it ends");
+                    "keep uploading what a growing recording adds, until it ends");
   command->add_flag("--force", a->options.force, "replace another reel that is there");
   command->add_flag("--json", a->json, "print the summary as JSON");
   command->callback([a, &exit_code] { exit_code = run_upload(*a); });

@@ -37,6 +37,13 @@ POINTREEL_INLINE LaneVec turned(const glm::mat3& by, const LaneVec& v) {
           by[0].y * v.x + by[1].y * v.y + by[2].y * v.z,
           by[0].z * v.x + by[1].z * v.y + by[2].z * v.z};
 }
+/// Points, transformed by an affine matrix.
+POINTREEL_INLINE LaneVec moved(const glm::mat4& by, const LaneVec& v) {
+  const auto row = [&](int i) {
+    return (by[0][i] * v.x + by[1][i] * v.y) + (by[2][i] * v.z + by[3][i]);
+  };
+  return {row(0), row(1), row(2)};
+}
 POINTREEL_INLINE glm::vec3 lane_of(const LaneVec& v, std::size_t lane) {
   return {v.x[lane], v.y[lane], v.z[lane]};
 }

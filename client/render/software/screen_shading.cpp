@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "client/render/software/lane_vectors.h"
+#include "client/render/software/shadow_light.h"
 #include "common/base/for_each.h"
 #include "pointreel/cpu.h"
 
@@ -22,6 +23,16 @@ glm::vec3 unit(const glm::vec3& v) {
 glm::vec3 pixel_ray(const PictureView& view, int x, int y) {
   return glm::vec3(view.ray_corner) + (static_cast<float>(x) + 0.5f) * glm::vec3(view.ray_x) +
          (static_cast<float>(y) + 0.5f) * glm::vec3(view.ray_y);
+}
+
+/// Those of pixels that follow each other in a row.
+POINTREEL_INLINE LaneVec rays_of(const PictureView& view, int x, int y) {
+  const Lanes middle_x = kIota + (static_cast<float>(x) + 0.5f);
+  const float middle_y = static_cast<float>(y) + 0.5f;
+  const auto ray = [&](int axis) {
+    return view.ray_corner[axis] + middle_x * view.ray_x[axis] + middle_y * view.ray_y[axis];
+  };
+  return {ray(0), ray(1), ray(2)};
 }
 
 /// The normal with which a pixel is shaded. Where the surfaces that it shows do not agree, or seem
@@ -255,18 +266,48 @@ struct PixelRow {
   LaneVec ray{}, place{};  ///< from the eye
   LaneVec to_eye{}, normal{};
   LaneVec surface{};  ///< linear colours
-  Lanes open{};
+  Lanes open{}, bend{};
 };
 
-/// Finds where pixels are, and how they are turned.
-POINTREEL_INLINE void place_pixels(const PictureView& view, const Picture& picture, int x, int y,
-                                   const Lanes& depth, PixelRow& row) {
-  const Lanes middle_x = kIota + (static_cast<float>(x) + 0.5f);
-  const float middle_y = static_cast<float>(y) + 0.5f;
-  const auto ray = [&](int axis) {
-    return view.ray_corner[axis] + middle_x * view.ray_x[axis] + middle_y * view.ray_y[axis];
+/// Means of the cells around pixels that show the same surface. The first pixel is one on the left
+/// of its cell.
+POINTREEL_INLINE void find_surroundings(const ShadingCells& cells, int x, int y, const Lanes& depth,
+                                        PixelRow& row) {
+  Lanes open{}, bend{}, weights{};
+  const auto add = [&](const Lanes& cell_depth, const Lanes& cell_open, const Lanes& cell_bend) {
+    const Lanes apart = cell_depth - depth;
+    const Lanes weight = max_of(apart, -apart) < 0.02f * depth ? Lanes{} + 1.0f : Lanes{} + 1e-3f;
+    open += weight * cell_open;
+    bend += weight * cell_bend;
+    weights += weight;
   };
-  row.ray = {ray(0), ray(1), ray(2)};
+  // The cell of each pixel, and its neighbours on the side of the pixel.
+  const auto own = [](const Lanes& from_left) {
+    return __builtin_shufflevector(from_left, from_left, 1, 1, 2, 2, 3, 3, 4, 4);
+  };
+  const auto beside = [](const Lanes& from_left) {
+    return __builtin_shufflevector(from_left, from_left, 0, 2, 1, 3, 2, 4, 3, 5);
+  };
+  for (const int row_of_cells : {y, (y & 1) != 0 ? y + 2 : y - 2}) {
+    const std::size_t left = cells.index(x, row_of_cells) - 1;
+    Lanes depths, opens, bends;
+    load(depths, &cells.depth[left]);
+    load(opens, &cells.open[left]);
+    load(bends, &cells.bend[left]);
+    add(own(depths), own(opens), own(bends));
+    add(beside(depths), beside(opens), beside(bends));
+  }
+  const Lanes share = 1.0f / weights;
+  row.open = open * share;
+  row.bend = bend * share;
+}
+
+/// Finds where pixels are, how they are turned, and what surrounds them.
+POINTREEL_INLINE void place_pixels(const PictureView& view, const Picture& picture,
+                                   const ShadingCells& cells, int x, int y, const Lanes& depth,
+                                   PixelRow& row) {
+  find_surroundings(cells, x, y, depth, row);
+  row.ray = rays_of(view, x, y);
   row.place = (view.eye.w / depth) * row.ray;
   row.to_eye = (Lanes{} - 1.0f) * unit(row.ray);
   LaneVec mean = row.to_eye;
@@ -295,10 +336,9 @@ POINTREEL_INLINE LaneVec light_of(const ShadingView& shading, const LightProbe& 
   if (key != glm::vec3(0.0f)) {
     Lanes reaches{};
     const LaneMask asks = row.shown & (lit > 0.0f);
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      if (asks[lane] == 0) continue;
-      const glm::vec3 there(shading.to_shadow * glm::vec4(eye + lane_of(row.place, lane), 1.0f));
-      reaches[lane] = lit[lane] * shadow.light_at(there, shading.key_direction.w);
+    if (any_lane(asks)) {
+      const LaneVec there = moved(shading.to_shadow, all_of(eye) + row.place);
+      reaches = asks ? lit * light_reaching(shadow, there, shading.key_direction.w) : Lanes{};
     }
     const LaneVec half = unit(row.to_eye + key_direction);
     diffuse = diffuse + reaches * all_of(key);
@@ -310,14 +350,40 @@ POINTREEL_INLINE LaneVec light_of(const ShadingView& shading, const LightProbe& 
   return {tone(light.x), tone(light.y), tone(light.z)};
 }
 
-struct RowKernels {
-  static void place_portable(const PictureView& view, const Picture& picture, int x, int y,
-                             const Lanes& depth, PixelRow& row) {
-    place_pixels(view, picture, x, y, depth, row);
+/// Darkens pixels that show the floor in shadow; `height`: of the eye above it.
+POINTREEL_INLINE void shade_floor_row(const ShadingView& shading, const ShadowMap& shadow,
+                                      const PictureView& view, float height, const glm::ivec2& x,
+                                      int y, Picture& picture) {
+  const SrgbTables& srgb = SrgbTables::get();
+  const LaneVec eye = all_of(glm::vec3(view.eye)), up = all_of(glm::vec3(shading.up));
+  for (int first = x[0]; first < x[1]; first += kLaneStep) {
+    const LaneVec ray = rays_of(view, first, y);
+    const Lanes down = -dot(ray, up);
+    const LaneMask shown = (down > 0.0f) & (kIota < static_cast<float>(x[1] - first));
+    if (!any_lane(shown)) continue;
+    const LaneVec there =
+        moved(shading.to_shadow, eye + (height / (shown ? down : Lanes{} + 1.0f)) * ray);
+    const Lanes lit = light_reaching(shadow, there, shading.key_direction.w);
+    const LaneMask darker = shown & (lit != 1.0f);
+    if (!any_lane(darker)) continue;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      if (darker[lane] == 0) continue;
+      glm::u8vec4& color = picture.colors[picture.index(first, y) + lane];
+      color = srgb.encode((1.0f - kFloorShadow * (1.0f - lit[lane])) * srgb.decode(color), color.a);
+    }
   }
-  POINTREEL_AVX2 static void place_avx2(const PictureView& view, const Picture& picture, int x,
-                                        int y, const Lanes& depth, PixelRow& row) {
-    place_pixels(view, picture, x, y, depth, row);
+}
+
+struct RowKernels {
+  static void place_portable(const PictureView& view, const Picture& picture,
+                             const ShadingCells& cells, int x, int y, const Lanes& depth,
+                             PixelRow& row) {
+    place_pixels(view, picture, cells, x, y, depth, row);
+  }
+  POINTREEL_AVX2 static void place_avx2(const PictureView& view, const Picture& picture,
+                                        const ShadingCells& cells, int x, int y, const Lanes& depth,
+                                        PixelRow& row) {
+    place_pixels(view, picture, cells, x, y, depth, row);
   }
   static void light_portable(const ShadingView& shading, const LightProbe& probe,
                              const ShadowMap& shadow, const glm::vec3& eye, PixelRow& row) {
@@ -328,15 +394,43 @@ struct RowKernels {
                                         PixelRow& row) {
     row.surface = light_of(shading, probe, shadow, eye, row);
   }
+  static void floor_portable(const ShadingView& shading, const ShadowMap& shadow,
+                             const PictureView& view, float height, const glm::ivec2& x, int y,
+                             Picture& picture) {
+    shade_floor_row(shading, shadow, view, height, x, y, picture);
+  }
+  POINTREEL_AVX2 static void floor_avx2(const ShadingView& shading, const ShadowMap& shadow,
+                                        const PictureView& view, float height, const glm::ivec2& x,
+                                        int y, Picture& picture) {
+    shade_floor_row(shading, shadow, view, height, x, y, picture);
+  }
 };
 
 }  // namespace
 
+void ShadingCells::resize(glm::ivec2 picture) {
+  size_ = (picture + 1) / 2;
+  const std::size_t count = stride() * (static_cast<std::size_t>(size_.y) + 2);
+  for (auto* values : {&depth, &open, &bend}) values->resize(count);
+}
+
+void ShadingCells::extend_borders() {
+  const auto row_length = static_cast<std::ptrdiff_t>(stride());
+  for (auto* values : {&depth, &open, &bend}) {
+    for (int y = 0; y < size_.y; ++y) {
+      float* row = &(*values)[index(0, 2 * y)];
+      row[-1] = row[0];
+      row[size_.x] = row[size_.x - 1];
+    }
+    std::copy_n(values->begin() + row_length, row_length, values->begin());
+    std::copy_n(values->end() - 2 * row_length, row_length, values->end() - row_length);
+  }
+}
+
 void ScreenShading::find_open(const ShadingView& shading, const PictureView& view,
                               const Executor& executor, const Picture& picture) {
   const glm::ivec2 size = picture.grid.size;
-  cells_size_ = (size + 1) / 2;
-  cells_.resize(static_cast<std::size_t>(cells_size_.x) * static_cast<std::size_t>(cells_size_.y));
+  cells_.resize(size);
   const std::array<Taps, 4> taps{Taps(0), Taps(1), Taps(2), Taps(3)};
   const auto taken_of = (cpu_features() & kCpuAvx2) != 0 ? light_taken_avx2 : light_taken_portable;
   const bool bends = shading.reach.z == static_cast<float>(ColorSource::curvature);
@@ -346,10 +440,10 @@ void ScreenShading::find_open(const ShadingView& shading, const PictureView& vie
     const bool busy = picture.busy[static_cast<std::size_t>(tile)] != 0;
     for (int y = pixels.min.y; y < pixels.max.y; y += 2) {
       for (int x = pixels.min.x; x < pixels.max.x; x += 2) {
-        Cell& cell =
-            cells_[static_cast<std::size_t>(y / 2) * static_cast<std::size_t>(cells_size_.x) +
-                   static_cast<std::size_t>(x / 2)];
-        cell = {0.0f, 1.0f, 0.0f};
+        const std::size_t cell = cells_.index(x, y);
+        cells_.depth[cell] = 0.0f;
+        cells_.open[cell] = 1.0f;
+        cells_.bend[cell] = 0.0f;
         if (!busy) continue;
         // The first of the pixels that shows something stands for all.
         glm::ivec2 at(x, y);
@@ -376,8 +470,8 @@ void ScreenShading::find_open(const ShadingView& shading, const PictureView& vie
                                       .near = near,
                                       .inverse_reach2 = inverse_reach2},
                                      taps[static_cast<std::size_t>(turn)], view, picture);
-        const float open = std::max(0.0f, 1.0f - kOcclusion / kTaps * taken);
-        cell = {depth, open, 0.0f};
+        cells_.depth[cell] = depth;
+        cells_.open[cell] = std::max(0.0f, 1.0f - kOcclusion / kTaps * taken);
         if (!bends) continue;
         const float far =
             std::clamp(kBend * shading.reach.y / (view.pixel.x * w), kLeastBend, kMostBend);
@@ -400,34 +494,11 @@ void ScreenShading::find_open(const ShadingView& shading, const PictureView& vie
           bend += glm::dot(change, away) / std::max(distance2, 1e-30f);
           ++count;
         }
-        if (count > 0) cell.bend = bend / static_cast<float>(count);
+        if (count > 0) cells_.bend[cell] = bend / static_cast<float>(count);
       }
     }
   });
-}
-
-ScreenShading::Cell ScreenShading::cell_at(int x, int y, float depth) const {
-  // The cell of the pixel and its neighbours on the side of the pixel, unless they are of another
-  // surface.
-  const int step_x = (x & 1) != 0 ? 1 : -1, step_y = (y & 1) != 0 ? 1 : -1;
-  Cell sum{depth, 0.0f, 0.0f};
-  float weights = 0.0f;
-  for (int i = 0; i < 4; ++i) {
-    const int cx = std::clamp(x / 2 + (i & 1) * step_x, 0, cells_size_.x - 1),
-              cy = std::clamp(y / 2 + (i >> 1) * step_y, 0, cells_size_.y - 1);
-    const Cell& cell =
-        cells_[static_cast<std::size_t>(cy) * static_cast<std::size_t>(cells_size_.x) +
-               static_cast<std::size_t>(cx)];
-    const float apart = std::abs(cell.depth - depth);
-    const float weight = apart < 0.02f * depth ? 1.0f : 1e-3f;
-    sum.open += weight * cell.open;
-    sum.bend += weight * cell.bend;
-    weights += weight;
-  }
-  const float share = 1.0f / weights;
-  sum.open *= share;
-  sum.bend *= share;
-  return sum;
+  cells_.extend_borders();
 }
 
 void ScreenShading::light(const ShadingView& shading, const LightProbe& probe,
@@ -439,9 +510,7 @@ void ScreenShading::light(const ShadingView& shading, const LightProbe& probe,
   const auto place = avx2 ? RowKernels::place_avx2 : RowKernels::place_portable;
   const auto light_row = avx2 ? RowKernels::light_avx2 : RowKernels::light_portable;
   const float near = view.eye.w, source = shading.reach.z;
-  const bool opens = source != static_cast<float>(ColorSource::accessibility);
   const glm::vec3 eye(view.eye);
-  constexpr int width = static_cast<int>(kLanes);
   const auto light_pixels = [&](int x, int y, int count) {
     PixelRow row;
     Lanes depth = Lanes{} + 1.0f;
@@ -452,21 +521,22 @@ void ScreenShading::light(const ShadingView& shading, const LightProbe& probe,
       depth[lane] = picture.depths[pixel];
     }
     if (!any_lane(row.shown)) return;
-    place(view, picture, x, y, depth, row);
+    place(view, picture, cells_, x, y, depth, row);
     for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane) {
       if (row.shown[lane] == 0) continue;
-      const Cell cell = cell_at(x + static_cast<int>(lane), y, depth[lane]);
-      row.open[lane] = opens ? cell.open : 1.0f;
       const glm::vec3 ray = lane_of(row.ray, lane), normal = lane_of(row.normal, lane);
       const glm::vec3 surface =
-          source == 0.0f ? srgb.decode(picture.colors[picture.index(x, y) + lane])
-                         : false_color(shading, view, cell.open, cell.bend, near / depth[lane],
-                                       eye + lane_of(row.place, lane), ray, normal);
+          source == 0.0f
+              ? srgb.decode(picture.colors[picture.index(x, y) + lane])
+              : false_color(shading, view, row.open[lane], row.bend[lane], near / depth[lane],
+                            eye + lane_of(row.place, lane), ray, normal);
       const float shade = 0.4f + 0.6f * std::max(glm::dot(normal, glm::vec3(view.light)), 0.0f);
       const bool late = shading.reach.w == kLateLight;
       set_lane(row.surface, lane,
                late ? surface : surface * (shading.reach.w * shade + 1.0f - shading.reach.w));
     }
+    // What shows how open a surface is does not show it as light, too.
+    if (source == static_cast<float>(ColorSource::accessibility)) row.open = Lanes{} + 1.0f;
     if (shading.reach.w == kLateLight) light_row(shading, probe, shadow, eye, row);
     for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane)
       if (row.shown[lane] != 0)
@@ -477,32 +547,22 @@ void ScreenShading::light(const ShadingView& shading, const LightProbe& probe,
     if (!picture.busy[static_cast<std::size_t>(tile)]) return;
     const PixelRect pixels = picture.grid.pixels(tile);
     for (int y = pixels.min.y; y < pixels.max.y; ++y)
-      for (int x = pixels.min.x; x < pixels.max.x; x += width)
-        light_pixels(x, y, std::min(width, pixels.max.x - x));
+      for (int x = pixels.min.x; x < pixels.max.x; x += kLaneStep)
+        light_pixels(x, y, std::min(kLaneStep, pixels.max.x - x));
   });
 }
 
 void ScreenShading::shade_floor(const ShadingView& shading, const ShadowMap& shadow,
                                 const PictureView& view, const Executor& executor,
                                 Picture& picture) {
-  const SrgbTables& srgb = SrgbTables::get();
-  const glm::vec3 eye(view.eye), up(shading.up);
-  const float height = glm::dot(eye, up) - shading.up.w;
+  const float height = glm::dot(glm::vec3(view.eye), glm::vec3(shading.up)) - shading.up.w;
   if (!(height > 0.0f)) return;
+  const auto shade_row =
+      (cpu_features() & kCpuAvx2) != 0 ? RowKernels::floor_avx2 : RowKernels::floor_portable;
   for_each(executor, picture.grid.count(), [&](int tile) {
     const PixelRect pixels = picture.grid.pixels(tile);
     for (int y = pixels.min.y; y < pixels.max.y; ++y)
-      for (int x = pixels.min.x; x < pixels.max.x; ++x) {
-        const glm::vec3 ray = pixel_ray(view, x, y);
-        const float down = -glm::dot(ray, up);
-        if (!(down > 0.0f)) continue;
-        const glm::vec3 there =
-            glm::vec3(shading.to_shadow * glm::vec4(eye + height / down * ray, 1.0f));
-        const float lit = shadow.light_at(there, shading.key_direction.w);
-        if (lit == 1.0f) continue;
-        glm::u8vec4& color = picture.colors[picture.index(x, y)];
-        color = srgb.encode((1.0f - kFloorShadow * (1.0f - lit)) * srgb.decode(color), color.a);
-      }
+      shade_row(shading, shadow, view, height, {pixels.min.x, pixels.max.x}, y, picture);
   });
 }
 

@@ -10,22 +10,25 @@
 namespace pointreel {
 namespace {
 
-constexpr int kParts = 4;  ///< of the instances
-constexpr int kRows = 16;  ///< of the map that are blurred at a time
-constexpr std::array<float, 4> kBlur = {0.2f, 0.18f, 0.14f, 0.08f};  ///< binomial, nearly
+constexpr int kParts = 4;    ///< of the instances
+constexpr int kRows = 16;    ///< of the map that are blurred at a time
+constexpr int kBlurred = 3;  ///< texels on each side of one
+constexpr std::array<float, kBlurred + 1> kBlur = {0.2f, 0.18f, 0.14f,
+                                                   0.08f};  ///< binomial, nearly
 
 std::size_t index(int x, int y) {
   return static_cast<std::size_t>(y) * kShadowEdge + static_cast<std::size_t>(x);
 }
 
-/// The weighted mean of a texel and its neighbours.
-template <class At>
-glm::vec2 blurred(int middle, const At& at) {
-  glm::vec2 sum = kBlur[0] * at(middle);
-  for (int i = 1; i < 4; ++i)
-    sum += kBlur[static_cast<std::size_t>(i)] *
-           (at(std::max(middle - i, 0)) + at(std::min(middle + i, kShadowEdge - 1)));
-  return sum;
+/// Means of a texel and three on each side, for `count` numbers that begin at `from` and are
+/// `apart` from their neighbours.
+void blur(const float* from, std::ptrdiff_t apart, int count, float* to) {
+  for (int i = 0; i < count; ++i) {
+    const float* middle = from + i;
+    to[i] = kBlur[0] * middle[0] + kBlur[1] * (middle[-apart] + middle[apart]) +
+            kBlur[2] * (middle[-2 * apart] + middle[2 * apart]) +
+            kBlur[3] * (middle[-3 * apart] + middle[3 * apart]);
+  }
 }
 
 }  // namespace
@@ -58,43 +61,35 @@ void ShadowMap::draw(std::span<const Instance> instances, const glm::mat4& to_sh
         }
     }
   });
-  rows_.resize(kTexels);
-  moments_.resize(kTexels);
+  // Beyond the edge, all is as at the edge.
+  constexpr int kRowLength = 2 * kShadowEdge;
+  rows_.resize(static_cast<std::size_t>(kRowLength) * (kShadowEdge + 2 * kBlurred));
+  moments_.resize(2 * kTexels);
+  const auto row_at = [this](int y) {
+    return rows_.begin() + static_cast<std::ptrdiff_t>(kRowLength) * (y + kBlurred);
+  };
   for_each(executor, kShadowEdge / kRows, [&](int block) {
     for (int y = block * kRows; y < (block + 1) * kRows; ++y) {
-      std::array<glm::vec2, kShadowEdge> row;
-      for (int x = 0; x < kShadowEdge; ++x) {
+      std::array<float, kRowLength + 4 * kBlurred> row;
+      for (int x = -kBlurred; x < kShadowEdge + kBlurred; ++x) {
         float z = 0.0f;
-        for (const auto& part : parts_) z = std::max(z, part[index(x, y)]);
-        row[static_cast<std::size_t>(x)] = {z, z * z};
+        for (const auto& part : parts_)
+          z = std::max(z, part[index(std::clamp(x, 0, kShadowEdge - 1), y)]);
+        const std::size_t at = 2 * static_cast<std::size_t>(x + kBlurred);
+        row[at] = z;
+        row[at + 1] = z * z;
       }
-      for (int x = 0; x < kShadowEdge; ++x)
-        rows_[index(x, y)] = blurred(x, [&](int i) { return row[static_cast<std::size_t>(i)]; });
+      blur(&row[2 * kBlurred], 2, kRowLength, &*row_at(y));
     }
   });
+  for (int i = 1; i <= kBlurred; ++i) {
+    std::copy_n(row_at(0), kRowLength, row_at(-i));
+    std::copy_n(row_at(kShadowEdge - 1), kRowLength, row_at(kShadowEdge - 1 + i));
+  }
   for_each(executor, kShadowEdge / kRows, [&](int block) {
     for (int y = block * kRows; y < (block + 1) * kRows; ++y)
-      for (int x = 0; x < kShadowEdge; ++x)
-        moments_[index(x, y)] = blurred(y, [&](int i) { return rows_[index(x, i)]; });
+      blur(&*row_at(y), kRowLength, kRowLength, &moments_[2 * index(0, y)]);
   });
-}
-
-float ShadowMap::light_at(const glm::vec3& point, float apart) const {
-  const float x = kShadowEdge * point.x - 0.5f, y = kShadowEdge * point.y - 0.5f;
-  if (!(x >= 0.0f && y >= 0.0f && x < kShadowEdge - 1 && y < kShadowEdge - 1)) return 1.0f;
-  const int left = static_cast<int>(x), below = static_cast<int>(y);
-  const float right_share = x - static_cast<float>(left),
-              above_share = y - static_cast<float>(below);
-  const glm::vec2 *low = &moments_[index(left, below)], *high = low + kShadowEdge;
-  const glm::vec2 mean = glm::mix(glm::mix(low[0], low[1], right_share),
-                                  glm::mix(high[0], high[1], right_share), above_share);
-  // Where nothing is, the map has 0.
-  const float behind = mean.x - std::max(point.z, 0.0f) - apart;
-  if (!(behind > 0.0f)) return 1.0f;
-  const float variance = std::max(mean.y - mean.x * mean.x, 1e-6f);
-  // The most that can be lit (Chebyshev). The last part of it is mostly light that leaks.
-  const float most = variance / (variance + behind * behind);
-  return std::clamp((most - kLeak) / (1.0f - kLeak), 0.0f, 1.0f);
 }
 
 }  // namespace pointreel

@@ -18,14 +18,14 @@ class ShadowMap {
   void draw(std::span<const Instance> instances, const glm::mat4& to_shadow,
             const Executor& executor);
 
-  /// The share of the key light that reaches a point, given by its coordinates in the map. `apart`:
-  /// less than this in front of it is no shadow. Light reaches all points outside of the map.
-  float light_at(const glm::vec3& point, float apart) const;
+  /// For each of kShadowEdge by kShadowEdge texels, the means of the nearest to the light and of
+  /// its square, one after the other.
+  std::span<const float> moments() const { return moments_; }
 
  private:
   std::vector<std::vector<float>> parts_;  ///< the nearest to the light, of parts of the instances
-  std::vector<glm::vec2> rows_;            ///< blurred along rows
-  std::vector<glm::vec2> moments_;         ///< means of the nearest to the light, and of its square
+  std::vector<float> rows_;                ///< the moments, blurred along rows only
+  std::vector<float> moments_;
 };
 
 }  // namespace pointreel

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <span>
+
+#include "client/render/shading.h"
+#include "client/render/software/lane_vectors.h"
+#include "client/render/software/shadow_map.h"
+
+namespace pointreel {
+
+/// The shares of the key light that reach points, given by their coordinates in the map. `apart`:
+/// less than this in front of a point is no shadow. Light reaches all points outside of the map.
+POINTREEL_INLINE Lanes light_reaching(const ShadowMap& shadow, const LaneVec& points, float apart) {
+  constexpr float kEdge = kShadowEdge;
+  const Lanes x = kEdge * points.x - 0.5f, y = kEdge * points.y - 0.5f;
+  const LaneMask inside = (x >= 0.0f) & (y >= 0.0f) & (x < kEdge - 1.0f) & (y < kEdge - 1.0f);
+  if (!any_lane(inside)) return Lanes{} + 1.0f;
+  // Outside they may be too large for integers.
+  const Lanes near_x = inside ? x : Lanes{}, near_y = inside ? y : Lanes{};
+  const auto left = __builtin_convertvector(near_x, LaneMask),
+             below = __builtin_convertvector(near_y, LaneMask);
+  const LaneMask texel = 2 * (below * kShadowEdge + left);
+  const std::span moments = shadow.moments();
+  Lanes values[2][4];  // of the texels below and above; on the left and on the right
+  for (std::size_t lane = 0; lane < kLanes; ++lane)
+    for (std::size_t row = 0; row < 2; ++row) {
+      const float* from = &moments[static_cast<std::size_t>(texel[lane]) + row * 2 * kShadowEdge];
+      for (std::size_t i = 0; i < 4; ++i) values[row][i][lane] = from[i];
+    }
+  const Lanes right_share = near_x - __builtin_convertvector(left, Lanes),
+              above_share = near_y - __builtin_convertvector(below, Lanes);
+  const auto mix = [](const Lanes& a, const Lanes& b, const Lanes& share) {
+    return a * (1.0f - share) + b * share;
+  };
+  const auto mean_of = [&](std::size_t i) {
+    return mix(mix(values[0][i], values[0][i + 2], right_share),
+               mix(values[1][i], values[1][i + 2], right_share), above_share);
+  };
+  const Lanes mean = mean_of(0), mean_square = mean_of(1);
+  // Where nothing is, the map has 0.
+  const Lanes behind = mean - max_of(points.z, Lanes{}) - apart;
+  const Lanes variance = max_of(mean_square - mean * mean, Lanes{} + 1e-6f);
+  // The most that can be lit (Chebyshev). The last part of it is mostly light that leaks.
+  const Lanes most = variance / (variance + behind * behind);
+  const Lanes lit = (most - kLeak) / (1.0f - kLeak);
+  return inside & (behind > 0.0f) ? max_of(min_of(lit, Lanes{} + 1.0f), Lanes{}) : Lanes{} + 1.0f;
+}
+
+}  // namespace pointreel

@@ -153,7 +153,7 @@ class HttpLiveSource : public LiveSource {
         waiting_.clear();
         waiting_bytes_ = 0;
       }
-      assembler_.add(LiveHello{manifest, live.session, manifest.bounds});
+      assembler_.add(LiveHello{manifest, live.session, manifest.bounds, {}});
     }
     if (live.ended)
       set_trouble(folder_.base + ": the publisher has gone; waiting for it");

@@ -91,7 +91,7 @@ void Segmenter::begin_frame(const LiveLayer& layer, const FrameHeader& header) {
   next_layer_ = 0;
   ++frames_;
   // Scalar fields have a layer that the frame's header does not count.
-  expected_layers_ = std::max<std::uint32_t>(header.layers, layer.layers);
+  expected_layers_ = std::max(header.layers, layer.layers);
   entry.times_us.push_back(last_us_);
   entry.points.push_back(header.source_points);
   for (LayerFile& file : entry.layers) file.frames.emplace_back();

@@ -69,14 +69,14 @@ GriddedCloud gridded(std::string name, const PointCloud& cloud, int bits) {
 }
 
 /// The limits of a well-known cloud, which is recognised by the name of its file.
-struct Limits {
+struct GridLimits {
   const char* file;
   int bits;
   double bits_per_voxel, encode_ms, decode_ms;
 };
-constexpr Limits kLimits[] = {{"Guanyin.ply", 10, 6.50, 18, 24},
-                              {"Guanyin.ply", 12, 12.4, 60, 70},
-                              {"0000.ply", 10, 6.55, 7, 9}};
+constexpr GridLimits kGridLimits[] = {{"Guanyin.ply", 10, 6.50, 18, 24},
+                                      {"Guanyin.ply", 12, 12.4, 60, 70},
+                                      {"0000.ply", 10, 6.55, 7, 9}};
 
 struct Figures {
   double bits_per_voxel = 0.0;
@@ -144,7 +144,7 @@ nlohmann::json run_grid(const GriddedCloud& data, int runs, std::vector<Bar>& ba
     bar("encode time / Draco's", best.encode.median / peer->encode.median, "x", 0.13);
     bar("decode time / Draco's", best.decode.median / peer->decode.median, "x", 0.42);
   }
-  for (const Limits& limits : kLimits) {
+  for (const GridLimits& limits : kGridLimits) {
     if (limits.file != data.name || limits.bits != data.bits) continue;
     bar("bits per voxel", best.bits_per_voxel, "bits", limits.bits_per_voxel);
     bar("encode", best.encode.median, "ms", limits.encode_ms);

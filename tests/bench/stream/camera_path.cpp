@@ -87,7 +87,8 @@ Result<Walked> walk(const StreamedReel& reel, Renderer& renderer, bool all_layer
 }
 
 /// The true picture of a frame of soccer-shoot.
-Result<Image> truth_of(const Manifest& manifest, const StreamedReel& reel, std::uint32_t frame) {
+Result<Image> truth_picture(const Manifest& manifest, const StreamedReel& reel,
+                            std::uint32_t frame) {
   const Motion* motion = find_motion("soccer-shoot");
   const auto scene = TRY(make_truth_scene(pose_body(motion->pose(frame / kPosesPerSecond))));
   TruthStyle style;
@@ -118,14 +119,14 @@ Result<json> run_camera_path(const StreamOptions& options, std::vector<Bar>& bar
     const Manifest manifest = TRY(read_manifest(reel.packed));
     const Walked chosen = TRY(walk(reel, renderer, false, pictures));
     const Walked whole = TRY(walk(reel, renderer, true, pictures));
-    // The coordinates of the dense reel are voxel numbers, not metres, so truth_of does not fit
-    // them.
+    // The coordinates of the dense reel are voxel numbers, not metres, so truth_picture does not
+    // fit them.
     const bool against_truth = reel.name == "soccer-shoot";
     double chosen_error = 0.0, whole_error = 0.0;
     for (std::size_t i = 0; i < chosen.pictures.size(); ++i) {
       const auto frame = static_cast<std::uint32_t>(i) * stride(reel, pictures);
       const Image reference =
-          against_truth ? TRY(truth_of(manifest, reel, frame)) : whole.larger[i];
+          against_truth ? TRY(truth_picture(manifest, reel, frame)) : whole.larger[i];
       chosen_error += mean_error(reference, chosen.pictures[i]);
       whole_error += mean_error(reference, whole.pictures[i]);
     }

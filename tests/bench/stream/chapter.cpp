@@ -15,14 +15,14 @@ namespace {
 
 using nlohmann::json;
 
-struct Options {
+struct ChapterOptions {
   std::vector<std::string> only;
   std::string json;
   bool quick = false;
 };
 
 Result<json> run_chapters(const std::string& name, const std::vector<StreamChapter>& chapters,
-                          const Options& options) {
+                          const ChapterOptions& options) {
   const TemporaryFolder scratch;
   const double begin = now_ms();
   json report = {{"benchmark", name}, {"quick", options.quick}, {"machine", machine()}};
@@ -54,7 +54,7 @@ Result<json> run_chapters(const std::string& name, const std::vector<StreamChapt
 void add_chapters_command(CLI::App& app, int& exit_code, const std::string& name,
                           const std::string& about, const std::vector<StreamChapter>& chapters) {
   CLI::App* command = app.add_subcommand(name, about);
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ChapterOptions>();
   std::vector<std::string> names;
   std::string list;
   for (const StreamChapter& chapter : chapters) {

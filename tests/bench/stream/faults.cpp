@@ -27,7 +27,7 @@ struct Fault {
 };
 
 /// Everything between a server and a watcher.
-struct Stage {
+struct FaultStage {
   std::filesystem::path reel;
   std::vector<std::string> options;
   std::unique_ptr<ServerProcess> server;
@@ -100,7 +100,7 @@ Result<json> run_faults(const StreamOptions& options, std::vector<Bar>& bars) {
   double worst_package = 0.0, worst_live = 0.0;
   {
     // The link is hardly faster than the reel, so that a player cannot fetch much in advance.
-    Stage stage{reel, {}, nullptr, nullptr, {}};
+    FaultStage stage{reel, {}, nullptr, nullptr, {}};
     stage.conditions.bits_per_second = static_cast<std::uint64_t>(1.5 * rate);
     stage.conditions.delay = 10ms;
     TRY(stage.begin());
@@ -117,7 +117,7 @@ Result<json> run_faults(const StreamOptions& options, std::vector<Bar>& bars) {
     }
   }
   {
-    Stage stage{reel, {"--live"}, nullptr, nullptr, {}};
+    FaultStage stage{reel, {"--live"}, nullptr, nullptr, {}};
     stage.conditions.delay = 10ms;
     TRY(stage.begin());
     const StagePublisher publisher("ws://" + stage.server->address() + "/live/ball?publish");

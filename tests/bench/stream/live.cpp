@@ -31,7 +31,7 @@ using namespace std::chrono_literals;
 using Time = std::chrono::steady_clock::time_point;
 namespace fs = std::filesystem;
 
-constexpr const char* kFps = "30";
+constexpr const char* kPublishedFps = "30";
 constexpr unsigned kOthers = 49;
 /// A viewer counts as live again when a picture is at most this late.
 constexpr double kLiveMs = 100.0;
@@ -65,8 +65,8 @@ struct Stage {
     if (address.empty()) return fail(ErrorCode::io, "pointreel-server: did not start");
     publisher = std::make_unique<e2e::Background>(
         "pointreel-server",
-        std::vector<std::string>{"publish", "-i", frames.string(), "--loop", "--fps", kFps, "--to",
-                                 "ws://" + address + "/live/stage"});
+        std::vector<std::string>{"publish", "-i", frames.string(), "--loop", "--fps", kPublishedFps,
+                                 "--to", "ws://" + address + "/live/stage"});
     return {};
   }
 };

@@ -26,7 +26,7 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 
 constexpr int kReelFrames = 60;
-constexpr double kFps = 30.0;
+constexpr double kMemoryFps = 30.0;
 /// Memory counts as constant if it grows by less than this per thousand frames or connections.
 constexpr double kFlatKib = 16.0;
 
@@ -92,8 +92,9 @@ Result<json> run_memory(const StreamOptions& options, std::vector<Bar>& bars) {
   MemoryGrowth client, serving, connecting;
   {
     e2e::Background player(
-        "pointreel", {"play", url + "/memory", "--mode", "point", "--offscreen", "32x32", "--loop",
-                      "--duration", fmt::format("{}", frames / kFps), "--json", report.string()});
+        "pointreel",
+        {"play", url + "/memory", "--mode", "point", "--offscreen", "32x32", "--loop", "--duration",
+         fmt::format("{}", frames / kMemoryFps), "--json", report.string()});
     const auto begin = std::chrono::steady_clock::now();
     while (player.running()) {
       const double seconds =

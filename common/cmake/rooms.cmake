@@ -67,8 +67,8 @@ function(pointreel_compile_lightly)  # SOURCES...
   endif()
 endfunction()
 
-# Sources that include CLI11. They run once, and take up to twenty seconds to compile, a third of it
-# without optimisation.
+# Sources that include CLI11 take up to twenty seconds to compile, a third of it without optimisation,
+# and what they do takes no time.
 function(pointreel_compile_command_lines)  # SOURCES...
   pointreel_compile_lightly(${ARGV})
   if(CMAKE_BUILD_TYPE STREQUAL "Release")

@@ -9,6 +9,7 @@
 #include "common/base/byte_io.h"
 #include "common/base/concat.h"
 #include "common/base/try.h"
+#include "common/stream/header_checksum.h"
 #include "common/stream/json_fields.h"
 #include "common/stream/reel_rules.h"
 
@@ -19,10 +20,6 @@ using nlohmann::ordered_json;
 
 constexpr std::uint32_t kLayerMagic = 0x314c5250;  // "PRL1"
 constexpr std::size_t kMaxStreamName = 64;
-
-std::uint32_t layer_header_checksum(ByteView header) {
-  return static_cast<std::uint32_t>(checksum_of(header));
-}
 
 /// All members of a hello but the session or the secret.
 Result<LiveHello> hello_of(Fields& fields) {
@@ -211,7 +208,7 @@ Bytes write_live_header(const LiveLayer& layer) {
   out.put(layer.sizes.geometry);
   out.put(layer.sizes.colors);
   out.put(layer.sizes.normals);
-  out.put(layer_header_checksum(header));
+  out.put(header_checksum(header));
   return header;
 }
 
@@ -231,7 +228,7 @@ Result<LiveLayer> next_live_layer(ByteView& messages) {
   const auto checksum = in.get<std::uint32_t>();
   if (!in.ok()) return fail("layer: is shorter than its header");
   if (magic != kLayerMagic) return fail("layer: does not begin with PRL1");
-  if (checksum != layer_header_checksum(messages.first(kLiveHeaderSize - sizeof(checksum)))) {
+  if (checksum != header_checksum(messages.first(kLiveHeaderSize - sizeof(checksum)))) {
     return fail("layer: its header is damaged");
   }
   if (reserved != 0) return fail("layer: reserved bytes are not 0");

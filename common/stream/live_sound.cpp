@@ -2,6 +2,7 @@
 
 #include "common/base/byte_io.h"
 #include "common/base/concat.h"
+#include "common/stream/header_checksum.h"
 #include "common/stream/reel_rules.h"
 #include "pointreel/package.h"
 
@@ -9,10 +10,6 @@ namespace pointreel {
 namespace {
 
 constexpr std::uint32_t kSoundMagic = 0x31535250;  // "PRS1"
-
-std::uint32_t sound_header_checksum(ByteView header) {
-  return static_cast<std::uint32_t>(checksum_of(header));
-}
 
 }  // namespace
 
@@ -29,7 +26,7 @@ Bytes write_live_sound(const LiveSound& sound) {
   out.put(sound.capture_us);
   out.put(sound.samples);
   out.put(std::uint16_t{0});
-  out.put(sound_header_checksum(message));
+  out.put(header_checksum(message));
   message.insert(message.end(), sound.packet.begin(), sound.packet.end());
   return message;
 }
@@ -45,7 +42,7 @@ Result<LiveSound> parse_live_sound(ByteView message) {
   const auto checksum = in.get<std::uint32_t>();
   if (!in.ok()) return fail("sound: is shorter than its header");
   if (magic != kSoundMagic) return fail("sound: does not begin with PRS1");
-  if (checksum != sound_header_checksum(message.first(kSoundHeaderSize - sizeof(checksum))))
+  if (checksum != header_checksum(message.first(kSoundHeaderSize - sizeof(checksum))))
     return fail("sound: its header is damaged");
   if (reserved != 0) return fail("sound: reserved bytes are not 0");
   if (sound.capture_us > kMaxCaptureTime) return fail("sound: its capture time is out of range");

@@ -29,6 +29,9 @@ namespace {
 
 /// Uploads at the same time.
 constexpr std::size_t kConnections = 4;
+/// After so many files in a row that the store does not have, it is not asked about the next ones:
+/// an upload that was interrupted lacks fewer before the last one that it has sent.
+constexpr std::size_t kMissesInARow = kConnections;
 /// What Amazon takes in one request.
 constexpr std::uint64_t kLargest = std::uint64_t{5} << 30;
 /// How often a recording is looked at. Its segments last a second.
@@ -75,12 +78,26 @@ Result<std::uint64_t> checksum_of(const ObjectContent& content) {
   return checksum.value();
 }
 
+/// The paths of the files that a manifest names; none if there is no manifest.
+std::set<std::string> named_by(const std::string& manifest) {
+  std::set<std::string> paths;
+  if (const auto parsed = parse_manifest(manifest))
+    for (const PackageFile* file : parsed->files()) paths.insert(file->path);
+  return paths;
+}
+
 /// Uploads the files of one package, from several threads.
 class FileUploads {
  public:
+  /// `named` are the files of the manifest that is in the store.
   FileUploads(const UploadOptions& options, const HttpFolder& to, const fs::path& package,
-              const UploadListener& listener, UploadSummary& summary)
-      : options_(options), to_(to), package_(package), listener_(listener), summary_(summary) {}
+              std::set<std::string> named, const UploadListener& listener, UploadSummary& summary)
+      : options_(options),
+        to_(to),
+        package_(package),
+        named_(std::move(named)),
+        listener_(listener),
+        summary_(summary) {}
 
   /// Stops at the first error.
   Result<void> run(const std::vector<const PackageFile*>& files, const AudioFile* audio) {
@@ -121,11 +138,25 @@ class FileUploads {
     return error_ || next_ == files_->size() ? nullptr : (*files_)[next_++];
   }
 
-  /// False if it was there already.
-  Result<bool> upload(ObjectStore& store, const PackageFile& file) const {
-    const std::string url = to_.file(file.path);
+  /// Files go up in the order of the manifest, so an upload that was interrupted has left the first
+  /// ones. Asking costs as much time as sending a short file: where many are missing, this stops.
+  bool may_be_there(const PackageFile& file) {
+    const std::lock_guard lock(mutex_);
+    return misses_ < kMissesInARow || named_.contains(file.path);
+  }
+
+  Result<bool> is_there(ObjectStore& store, const std::string& url, const PackageFile& file) {
+    if (!may_be_there(file)) return false;
     const auto there = TRY(store.look(url));
-    if (there && there->bytes == file.bytes && there->checksum == file.checksum) return false;
+    const std::lock_guard lock(mutex_);
+    misses_ = there ? 0 : misses_ + 1;
+    return there && there->bytes == file.bytes && there->checksum == file.checksum;
+  }
+
+  /// False if it was there already.
+  Result<bool> upload(ObjectStore& store, const PackageFile& file) {
+    const std::string url = to_.file(file.path);
+    if (TRY(is_there(store, url, file))) return false;
     const fs::path path = package_ / file.path;
     const ObjectContent content = TRY(ObjectContent::open(path));
     const std::uint64_t checksum = TRY(at_place(path.string(), checksum_of(content)));
@@ -147,12 +178,14 @@ class FileUploads {
   const UploadOptions& options_;
   const HttpFolder& to_;
   const fs::path& package_;
+  const std::set<std::string> named_;
   const UploadListener& listener_;
   const std::vector<const PackageFile*>* files_ = nullptr;
   const AudioFile* audio_ = nullptr;
   std::mutex mutex_;  ///< guards what follows
   UploadSummary& summary_;
   std::size_t next_ = 0;
+  std::size_t misses_ = 0;  ///< files that were not there, since the last one that was
   std::optional<Error> error_;
 };
 
@@ -201,7 +234,8 @@ Result<UploadSummary> Uploader::upload(const fs::path& package, const UploadList
       std::erase_if(files, [&](const PackageFile* file) { return done.contains(file->path); });
       if (listener.begin && first) listener.begin(files.size());
       const UploadListener nobody;
-      FileUploads uploads(options_, folder_, package, first ? listener : nobody, summary);
+      FileUploads uploads(options_, folder_, package, named_by(there_), first ? listener : nobody,
+                          summary);
       TRY(uploads.run(files, now.manifest.audio ? &*now.manifest.audio : nullptr));
       for (const PackageFile* file : files) done.insert(file->path);
       const std::string& text = now.text;

@@ -41,7 +41,8 @@ class Uploader {
 
   /// Uploads a package: first the files that the manifest names, several at a time, and then the
   /// manifest, so that what is there can be played at any moment. A file that is there with the
-  /// same size and checksum is not sent again. Files of the reel that was there before remain.
+  /// same size and checksum is not sent again, if the manifest there names it or an interrupted
+  /// upload has left it. Files of the reel that was there before remain.
   ///
   /// Each file is compared with the checksum in its manifest before it is sent, and the store
   /// compares what arrives with its MD5.

@@ -94,6 +94,23 @@ try {
     assert.match(stored.join(" "), /^kick\/00004\.base\S* kick\/reel\.json$/);
   });
 
+  await test("after many files that are not there, the store is not asked about the rest", async () => {
+    const many = join(folder, "many"), asked = [];
+    await ok(server, ["pack", "-i", clouds, "-o", many, "--segment", "1"]);
+    const files = readdirSync(many).length, upload = ["upload", many, "s3://reels/many", "--json", ...there];
+    assert(files > 20, `${files} files`);
+    const note = ({ method }) => asked.push(method);
+    checked.on("request", note);
+    assert.equal(JSON.parse(await ok(server, upload)).files, files);
+    const looks = asked.filter((method) => method === "HEAD").length;
+    assert(looks >= 4 && looks < 8, `${looks} of ${files}`);
+    // What its manifest names is asked about all the same.
+    const manifest = join(objects, "reels/many/reel.json._S3rver_object");
+    writeFileSync(manifest, `${readFileSync(manifest, "utf8")} `);
+    assert.equal(JSON.parse(await ok(server, [...upload, "--force"])).kept_files, files - 1);
+    checked.off("request", note);
+  });
+
   await test("info, verify and unpack read from the store", async () => {
     assert.equal(JSON.parse(await ok(server, ["info", "s3://reels/kick", "--json", ...there])).frames, 12);
     const env = { ...keys, AWS_ENDPOINT_URL: endpoint };
@@ -105,6 +122,17 @@ try {
     for (const frame of frames)
       assert(readFileSync(join(folder, "near", frame)).equals(readFileSync(join(folder, "far", frame))));
     assert.deepEqual(readdirSync(process.env.TMPDIR), []);
+  });
+
+  await test("packages in the store are cut and joined", async () => {
+    const cut = async (reel, frames, to) => ok(server, ["cut", reel, "-o", join(folder, to), "--frames", frames, ...there]);
+    await cut("s3://reels/kick", "0-3", "begin");
+    await cut("s3://reels/kick", "4-11", "end");
+    await ok(server, ["join", join(folder, "begin"), join(folder, "end"), "-o", join(folder, "joined")]);
+    await ok(server, ["join", join(folder, "begin"), "s3://reels/kick", "-o", join(folder, "longer"), ...there]);
+    const frames = async (name) => JSON.parse(await ok(server, ["info", join(folder, name), "--json"])).frames;
+    assert.deepEqual([await frames("end"), await frames("joined"), await frames("longer")], [8, 12, 16]);
+    for (const name of ["joined", "longer"]) assert.match(await ok(server, ["verify", join(folder, name)]), /good/);
   });
 
   await test("the player plays from the store", async () => {

@@ -123,14 +123,11 @@ std::uint64_t CloudSequence::end_us() const {
   return times_us.back() + static_cast<std::uint64_t>(1e6 / fps);
 }
 
-namespace {
-
-/// The times of frames that all have one, in order.
-void take_times(CloudSequence& sequence) {
+void CloudSequence::find_times() {
   std::vector<std::uint64_t> times;
-  for (const CloudFrame& frame : sequence.frames) {
-    if (!frame.time_us || *frame.time_us < sequence.frames.front().time_us) return;
-    times.push_back(*frame.time_us - *sequence.frames.front().time_us);
+  for (const CloudFrame& frame : frames) {
+    if (!frame.time_us || *frame.time_us < frames.front().time_us) return;
+    times.push_back(*frame.time_us - *frames.front().time_us);
     if (times.size() > 1 && times.back() < times[times.size() - 2]) return;
     // A clock that jumped, or garbage.
     if (times.back() > kLongest) return;
@@ -141,9 +138,11 @@ void take_times(CloudSequence& sequence) {
   const auto middle = spacings.begin() + std::ssize(spacings) / 2;
   std::nth_element(spacings.begin(), middle, spacings.end());
   if (*middle == 0) return;
-  sequence.times_us = std::move(times);
-  sequence.fps = 1e6 / static_cast<double>(*middle);
+  times_us = std::move(times);
+  fps = 1e6 / static_cast<double>(*middle);
 }
+
+namespace {
 
 void add_recording(CloudSequence& sequence, const fs::path& file,
                    const std::shared_ptr<const Recording>& recording) {
@@ -180,7 +179,7 @@ Result<CloudSequence> list_cloud_frames(const std::vector<fs::path>& inputs,
       sequence.frames.push_back({file});
     }
   }
-  take_times(sequence);
+  sequence.find_times();
   return sequence;
 }
 

@@ -79,6 +79,8 @@ struct CloudSequence {
   double fps = 0.0;  ///< by the median spacing of `times_us`; 0 without
 
   std::uint64_t end_us() const;
+  /// Sets `times_us` and `fps` by the times of the frames.
+  void find_times();
 };
 
 /// The frames of list_cloud_files: each file, and each cloud of recordings (.mcap, and depth in

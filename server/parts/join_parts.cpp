@@ -44,9 +44,9 @@ Result<Manifest> read_segments(const PackPlan& plan, const fs::path& folder) {
       if (missing++ == 0) first_missing = plan.first_frame(s);
       continue;
     }
-    if (segment->frame_count() != plan.files_of(s).size()) {
+    if (segment->frame_count() != plan.frames_of(s).size()) {
       return fail(fmt::format("{}: has {}, and the plan {}", path.string(),
-                              counted(segment->frame_count(), "frame"), plan.files_of(s).size()));
+                              counted(segment->frame_count(), "frame"), plan.frames_of(s).size()));
     }
     if (!whole) {
       whole = manifest_before(*segment);

@@ -1,6 +1,8 @@
 #include "server/parts/pack_part.h"
 
+#include <algorithm>
 #include <atomic>
+#include <memory>
 #include <system_error>
 #include <utility>
 
@@ -63,21 +65,34 @@ std::string own_name() {
   return fmt::format("{}-{}-{}", host, getpid(), count++);
 }
 
+CloudFrame cloud_frame(const PlannedFrame& planned) {
+  return {planned.path, nullptr, planned.index.value_or(0), planned.time_us};
+}
+
+CloudSequence sequence_of(const PackPlan& plan) {
+  CloudSequence sequence;
+  for (const PlannedFrame& planned : plan.frames) sequence.frames.push_back(cloud_frame(planned));
+  sequence.find_times();
+  return sequence;
+}
+
 class PartPacker {
  public:
   PartPacker(const PackPlan& plan, PackOptions options, const PackListener& listener)
       : plan_(plan),
         options_(std::move(options)),
         listener_(listener),
-        folder_(parts_folder(options_.output)) {
+        folder_(parts_folder(options_.output)),
+        sequence_(sequence_of(plan)) {
     options_.name = plan.name;
-    if (options_.up_of_files)
-      options_.up = up_of_file(plan.files.front().path).value_or(options_.up);
+    if (options_.up_of_files) options_.up = plan.up.value_or(options_.up);
+    if (is_timed()) options_.fps = std::clamp(sequence_.fps, kMinFps, kMaxFps);
     options_.segment_frames = plan.segment_frames;
     options_.encode.executor = tbb_executor();
     static_cast<ReelHead&>(head_) = reel_head(options_);
     if (options_.encode.id() == Codec::octree) add_scalar_layer(head_.layer_names);
-    head_.duration_us = presentation_time_us(plan.files.size(), options_.fps);
+    head_.duration_us =
+        is_timed() ? sequence_.end_us() : presentation_time_us(plan.frames.size(), options_.fps);
     head_.tables = plan.tables;
   }
 
@@ -93,7 +108,7 @@ class PartPacker {
         continue;
       }
       missing.push_back(s);
-      frames += static_cast<std::uint32_t>(plan_.files_of(s).size());
+      frames += static_cast<std::uint32_t>(plan_.frames_of(s).size());
     }
     if (listener_.begin) listener_.begin(frames);
     for (const std::uint32_t segment : missing) {
@@ -128,34 +143,55 @@ class PartPacker {
     return {};
   }
 
-  /// The files must be those that the plan was made for.
-  Result<std::vector<CloudFrame>> unchanged_files(std::uint32_t segment) const {
-    std::vector<CloudFrame> files;
-    for (const PlannedFile& file : plan_.files_of(segment)) {
-      std::error_code error;
-      const auto bytes = fs::file_size(file.path, error);
-      if (error) {
-        return fail(ErrorCode::io, fmt::format("{}: {}", file.path.string(), error.message()));
-      }
-      if (bytes != file.bytes) {
-        return fail(ErrorCode::argument,
-                    fmt::format("{}: has {} bytes and had {} when the plan was made; make the plan "
-                                "again",
-                                file.path.string(), bytes, file.bytes));
-      }
-      files.push_back({file.path});
+  /// Whether frames are shown when they were recorded.
+  bool is_timed() const { return options_.times_of_files && !sequence_.times_us.empty(); }
+
+  /// The source of frames must be what the plan was made for.
+  static Result<void> check_unchanged(const PlannedFrame& planned) {
+    const std::uint64_t bytes = TRY(bytes_of_source(planned.path));
+    if (bytes == planned.bytes) return {};
+    return fail(ErrorCode::argument,
+                fmt::format("{}: has {} bytes and had {} when the plan was made; make the plan "
+                            "again",
+                            planned.path.string(), bytes, planned.bytes));
+  }
+
+  /// The frames of a recording, which remains open until another one is needed.
+  Result<std::shared_ptr<const Recording>> recording_of(const PlannedFrame& planned) {
+    if (recording_ == nullptr || planned.path != recording_path_) {
+      TRY(check_unchanged(planned));
+      recording_ = TRY(list_cloud_frames({planned.path}, options_.topic)).frames.front().recording;
+      recording_path_ = planned.path;
     }
-    return files;
+    if (recording_ == nullptr || *planned.index >= recording_->size())
+      return fail(ErrorCode::argument,
+                  planned.path.string() +
+                      ": has other frames than when the plan was made; make the plan again");
+    return recording_;
+  }
+
+  Result<std::vector<CloudFrame>> unchanged_frames(std::uint32_t segment) {
+    std::vector<CloudFrame> frames;
+    for (const PlannedFrame& planned : plan_.frames_of(segment)) {
+      CloudFrame& frame = frames.emplace_back(cloud_frame(planned));
+      if (planned.index) {
+        frame.recording = TRY(recording_of(planned));
+      } else {
+        TRY(check_unchanged(planned));
+      }
+    }
+    return frames;
   }
 
   Result<void> pack(std::uint32_t segment) {
     const std::uint32_t first_frame = plan_.first_frame(segment);
-    const std::vector<CloudFrame> files = TRY(unchanged_files(segment));
+    const std::vector<CloudFrame> frames = TRY(unchanged_frames(segment));
     const WorkFolder work =
         TRY(WorkFolder::create(folder_ / fmt::format(".{:05}-{}", first_frame, own_name())));
-    SegmentPacker packer(
-        options_, {work.path(), head_.layer_names, listener_.frame_done, listener_.stop, {}});
-    PackedSegment packed = TRY(packer.pack(files, first_frame));
+    SegmentOutput output{work.path(), head_.layer_names, listener_.frame_done, listener_.stop, {}};
+    if (is_timed()) output.time_us = [this](std::size_t i) { return sequence_.times_us[i]; };
+    SegmentPacker packer(options_, output);
+    PackedSegment packed = TRY(packer.pack(frames, first_frame));
     for (const std::string& line : warnings_.fresh(packed)) {
       if (listener_.warn) listener_.warn(line);
     }
@@ -177,6 +213,9 @@ class PartPacker {
   PackOptions options_;
   const PackListener& listener_;
   const fs::path folder_;
+  const CloudSequence sequence_;                ///< of the whole plan, with no recording open
+  std::shared_ptr<const Recording> recording_;  ///< the newest, from `recording_path_`
+  fs::path recording_path_;
   Manifest head_;  ///< without segments
   SegmentWarnings warnings_;
   PartReport report_;

@@ -102,7 +102,7 @@ int run_submit(const SlurmOptions& options, bool wait) {
   print("job {} packs {}, job {} joins them\n", jobs->parts, counted(options.parts, "part"),
         jobs->join);
   if (!wait) return kExitOk;
-  Progress progress("pack", plan->files.size());
+  Progress progress("pack", plan->frames.size());
   std::uint32_t shown = 0;
   const auto show = [&](std::uint32_t done) {
     for (; shown < done; ++shown) progress.tick();

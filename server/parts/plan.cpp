@@ -37,18 +37,25 @@ std::string to_text(const PackPlan& plan) {
                        {"program", POINTREEL_VERSION},
                        {"arguments", plan.arguments},
                        {"name", plan.name},
+                       {"up", nullptr},
                        {"segment_frames", plan.segment_frames},
                        {"force", plan.force},
                        {"audio", nullptr},
                        {"tables", nullptr}};
+  if (plan.up) json["up"] = std::string(1, *plan.up);
   if (plan.audio) json["audio"] = plan.audio->string();
   if (plan.tables) {
     json["tables"] = {{"path", plan.tables->path},
                       {"bytes", plan.tables->bytes},
                       {"xxh3", checksum_text(plan.tables->checksum)}};
   }
-  ordered_json& files = json["files"] = ordered_json::array();
-  for (const PlannedFile& file : plan.files) files.push_back({file.path.string(), file.bytes});
+  ordered_json& frames = json["frames"] = ordered_json::array();
+  for (const PlannedFrame& frame : plan.frames) {
+    ordered_json& entry = frames.emplace_back(ordered_json{frame.path.string(), frame.bytes});
+    if (!frame.index) continue;
+    entry.push_back(*frame.index);
+    if (frame.time_us) entry.push_back(*frame.time_us);
+  }
   return json.dump(1) + "\n";
 }
 
@@ -56,6 +63,10 @@ PackPlan from_json(const ordered_json& json) {
   PackPlan plan;
   plan.arguments = json.at("arguments").get<std::vector<std::string>>();
   plan.name = json.at("name").get<std::string>();
+  if (const ordered_json& up = json.at("up"); !up.is_null()) {
+    if (up != "y" && up != "z") throw std::invalid_argument("up");
+    plan.up = up.get<std::string>().front();
+  }
   const auto segment_frames = json.at("segment_frames").get<std::int64_t>();
   if (segment_frames < 1 || segment_frames > 100'000) throw std::invalid_argument("segment_frames");
   plan.segment_frames = static_cast<std::uint32_t>(segment_frames);
@@ -68,8 +79,12 @@ PackPlan from_json(const ordered_json& json) {
                     std::stoull(tables.at("xxh3").get<std::string>(), nullptr, 16)};
     if (plan.tables->bytes > kMaxTablesBytes) throw std::invalid_argument("tables");
   }
-  for (const ordered_json& file : json.at("files"))
-    plan.files.push_back({file.at(0).get<std::string>(), file.at(1).get<std::uint64_t>()});
+  for (const ordered_json& entry : json.at("frames")) {
+    PlannedFrame frame{entry.at(0).get<std::string>(), entry.at(1).get<std::uint64_t>(), {}};
+    if (entry.size() > 2) frame.index = entry.at(2).get<std::uint32_t>();
+    if (entry.size() > 3) frame.time_us = entry.at(3).get<std::uint64_t>();
+    plan.frames.push_back(std::move(frame));
+  }
   return plan;
 }
 
@@ -104,20 +119,48 @@ Result<void> make_folder(const fs::path& folder, bool force) {
   return {};
 }
 
-Result<PlannedFile> planned(const fs::path& path) {
-  std::error_code error;
-  PlannedFile file{fs::absolute(path, error).lexically_normal(), 0};
-  if (!error) file.bytes = fs::file_size(path, error);
-  if (error) return fail(ErrorCode::io, fmt::format("{}: {}", path.string(), error.message()));
-  return file;
+Result<std::vector<PlannedFrame>> planned(const std::vector<CloudFrame>& frames) {
+  std::vector<PlannedFrame> planned;
+  const CloudFrame* last = nullptr;
+  for (const CloudFrame& frame : frames) {
+    if (last == nullptr || frame.file != last->file) {
+      std::error_code error;
+      const fs::path path = fs::absolute(frame.file, error).lexically_normal();
+      if (error)
+        return fail(ErrorCode::io, fmt::format("{}: {}", frame.file.string(), error.message()));
+      planned.push_back({path, TRY(bytes_of_source(path)), {}});
+    } else {
+      planned.push_back(planned.back());
+    }
+    if (frame.recording != nullptr) planned.back().index = frame.index;
+    planned.back().time_us = frame.time_us;
+    last = &frame;
+  }
+  return planned;
 }
 
 }  // namespace
 
-std::span<const PlannedFile> PackPlan::files_of(std::uint32_t segment) const {
+std::span<const PlannedFrame> PackPlan::frames_of(std::uint32_t segment) const {
   const std::size_t first = std::size_t{segment} * segment_frames;
-  return std::span(files).subspan(first,
-                                  std::min<std::size_t>(segment_frames, files.size() - first));
+  return std::span(frames).subspan(first,
+                                   std::min<std::size_t>(segment_frames, frames.size() - first));
+}
+
+Result<std::uint64_t> bytes_of_source(const fs::path& path) {
+  std::error_code error;
+  std::uint64_t bytes = 0;
+  if (!fs::is_directory(path, error)) {
+    if (!error) bytes = fs::file_size(path, error);
+  } else {
+    for (fs::recursive_directory_iterator it(path, error), end; !error && it != end;
+         it.increment(error)) {
+      if (it->is_regular_file(error)) bytes += it->file_size(error);
+      if (error) break;
+    }
+  }
+  if (error) return fail(ErrorCode::io, fmt::format("{}: {}", path.string(), error.message()));
+  return bytes;
 }
 
 fs::path parts_folder(const fs::path& output) {
@@ -139,19 +182,15 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
   }
   PackOptions options = asked;
   if (options.name.empty()) options.name = default_reel_name(options.output);
-  const std::vector<CloudFrame> files =
+  const std::vector<CloudFrame> frames =
       TRY(list_cloud_frames(options.inputs, options.topic)).frames;
-  PackPlan plan{
-      std::move(arguments), options.name, options.segment_frames, options.force, {}, {}, {}};
-  for (const CloudFrame& frame : files) {
-    if (frame.recording != nullptr) {
-      return fail(ErrorCode::argument,
-                  frame.file.string() +
-                      ": is a recording of many frames, which is not packed in "
-                      "parts; pack it as a whole");
-    }
-    plan.files.push_back(TRY(planned(frame.file)));
-  }
+  PackPlan plan;
+  plan.arguments = std::move(arguments);
+  plan.name = options.name;
+  plan.up = up_of_frame(frames.front());
+  plan.segment_frames = options.segment_frames;
+  plan.force = options.force;
+  plan.frames = TRY(planned(frames));
   if (options.audio) {
     TRY(check_audio_source(*options.audio));
     std::error_code error;
@@ -161,11 +200,11 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
   TRY(check_output(options));
   const fs::path folder = parts_folder(options.output);
   TRY(make_folder(folder, options.force));
-  MadePlan made{static_cast<std::uint32_t>(files.size()), plan.segments(), {}};
+  MadePlan made{static_cast<std::uint32_t>(frames.size()), plan.segments(), {}};
   const auto complete = [&]() -> Result<void> {
     if (options.train) {
       const PackageTables tables = TRY(in_arena(
-          options.threads, [&] { return learn_package_tables(files, options, folder, stop); }));
+          options.threads, [&] { return learn_package_tables(frames, options, folder, stop); }));
       made.learnt = tables.learnt;
       plan.tables = tables.file;
     }
@@ -205,7 +244,7 @@ Result<PackPlan> read_plan(const fs::path& output) {
                               path.string(), visible(by), POINTREEL_VERSION));
     }
     PackPlan plan = from_json(json);
-    if (plan.files.empty()) throw std::invalid_argument("empty");
+    if (plan.frames.empty()) throw std::invalid_argument("empty");
     return plan;
   } catch (const std::exception&) {
     return fail(fmt::format("{}: is damaged; make the plan again with --force", path.string()));

@@ -23,30 +23,36 @@
 /// The package has the same bytes as if one process had packed it.
 namespace pointreel {
 
-/// A source file, as it was when the plan was made.
-struct PlannedFile {
-  std::filesystem::path path;  ///< absolute
-  std::uint64_t bytes = 0;
+/// A source frame, as it was when the plan was made.
+struct PlannedFrame {
+  std::filesystem::path path;                 ///< absolute
+  std::uint64_t bytes = 0;                    ///< of the file, or of all files in the folder
+  std::optional<std::uint32_t> index;         ///< in the recording; none if the file has one frame
+  std::optional<std::uint64_t> time_us = {};  ///< CloudFrame::time_us
 };
+
+/// The size of a file, or of all files in a folder and its folders. Errors begin with the path.
+Result<std::uint64_t> bytes_of_source(const std::filesystem::path& path);
 
 /// What `plan.json` says.
 struct PackPlan {
   /// The options of `pack` as PackArguments::command_line gives them. Each part parses them
   /// again, so that an option that is added to `pack` holds for parts as well.
   std::vector<std::string> arguments;
-  std::string name;                            ///< of the reel
-  std::uint32_t segment_frames = 30;           ///< of each segment but the last
-  bool force = false;                          ///< join may replace a package
-  std::vector<PlannedFile> files;              ///< one for each frame
+  std::string name;                   ///< of the reel
+  std::optional<char> up;             ///< the axis, where the first frame tells it
+  std::uint32_t segment_frames = 30;  ///< of each segment but the last
+  bool force = false;                 ///< join may replace a package
+  std::vector<PlannedFrame> frames;
   std::optional<std::filesystem::path> audio;  ///< absolute; join gives the package its sound
   std::optional<PackageFile> tables;           ///< in the folder of the plan
 
   std::uint32_t segments() const {
-    return static_cast<std::uint32_t>((files.size() + segment_frames - 1) / segment_frames);
+    return static_cast<std::uint32_t>((frames.size() + segment_frames - 1) / segment_frames);
   }
   std::uint32_t first_frame(std::uint32_t segment) const { return segment * segment_frames; }
-  /// The files of a segment.
-  std::span<const PlannedFile> files_of(std::uint32_t segment) const;
+  /// The frames of a segment.
+  std::span<const PlannedFrame> frames_of(std::uint32_t segment) const;
 };
 
 /// The folder of a plan and its parts: OUTPUT.parts.
@@ -61,7 +67,7 @@ struct MadePlan {
   std::optional<LearntTables> learnt;  ///< with PackOptions::train
 };
 
-/// Lists the input files, learns context tables if that is asked for, and writes the plan.
+/// Lists the input frames, learns context tables if that is asked for, and writes the plan.
 /// `arguments` are PackPlan::arguments and must have been parsed into `options`. A plan that is
 /// already there is replaced, with its parts, if options.force is set. Errors: `argument` for
 /// PackOptions::frame_time_ms, which would make bytes depend on the machine, and for an output that

@@ -70,7 +70,7 @@ class FrameCount {
     std::erase_if(missing_, [&](std::uint32_t segment) {
       std::error_code ignored;
       if (!fs::exists(segment_manifest(folder_, plan_.first_frame(segment)), ignored)) return false;
-      frames_ += static_cast<std::uint32_t>(plan_.files_of(segment).size());
+      frames_ += static_cast<std::uint32_t>(plan_.frames_of(segment).size());
       return true;
     });
     return frames_;
@@ -173,7 +173,7 @@ Result<void> wait_for_slurm(const PackPlan& plan, const SlurmOptions& options,
     if (look % kLooksPerQuestion == kLooksPerQuestion - 1 && !in_queue(jobs)) {
       if (joined()) return {};
       return fail(fmt::format("{} of {} packed; {}", count.now(),
-                              counted(plan.files.size(), "frame is", "frames are"),
+                              counted(plan.frames.size(), "frame is", "frames are"),
                               error_of_jobs(folder, options.parts)));
     }
     pause(500ms, stop);

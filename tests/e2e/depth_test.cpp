@@ -14,6 +14,7 @@
 #include "tests/depth_scene.h"
 #include "tests/e2e/picture.h"
 #include "tests/e2e/process.h"
+#include "tests/read_file.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel::e2e {
@@ -115,11 +116,23 @@ TEST_F(Depth, a_video_is_packed_and_played_at_its_times) {
   }
 }
 
-TEST_F(Depth, parts_and_missing_tools_are_refused_in_one_line) {
-  const Outcome planned = run("pointreel-server", {"pack", "plan", "-i", capture(), "-o", reel()});
-  EXPECT_NE(planned.exit_code, 0);
-  EXPECT_THAT(planned.err,
-              HasSubstr("is a recording of many frames, which is not packed in parts"));
+TEST_F(Depth, a_video_is_packed_in_parts_with_its_times) {
+  make_video();
+  const auto pack = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "pack");
+    const Outcome done = run("pointreel-server", arguments);
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+  };
+  const std::string whole = reel() + "-whole";
+  pack({"-i", video(), "-o", whole, "--name", "walk", "--segment", "2"});
+  pack({"plan", "-i", video(), "-o", reel(), "--name", "walk", "--segment", "2"});
+  pack({"part", "2/2", "-o", reel()});
+  pack({"part", "1/2", "-o", reel()});
+  pack({"join", "-o", reel()});
+  EXPECT_EQ(read_file(fs::path(reel()) / "reel.json"), read_file(fs::path(whole) / "reel.json"));
+}
+
+TEST_F(Depth, missing_tools_are_named_in_one_line) {
   make_video();
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", "/nonexistent", 1);

@@ -15,6 +15,8 @@
 #include "server/parts/join_parts.h"
 #include "server/parts/pack_part.h"
 #include "server/parts/plan.h"
+#include "server/write/recording.h"
+#include "tests/depth_scene.h"
 #include "tests/tone.h"
 #include "tests/unit/packed_reel.h"
 
@@ -173,6 +175,56 @@ TEST_F(Parts, report_a_frame_that_cannot_be_read_and_pack_the_rest) {
   EXPECT_THAT(join_error(), HasSubstr("1 of 7 segments are missing, the first at frame 6"));
 }
 
+TEST_F(Parts, take_frames_of_recordings_at_their_times) {
+  // Times that are not even, so that one that was lost would show.
+  const fs::path recordings = reel_.parent_path() / "recordings";
+  fs::create_directory(recordings);
+  std::uint64_t time_us = 1'700'000'000'000'000;
+  for (const auto& [name, frames] : {std::pair{"1.mcap", 13}, std::pair{"2.mcap", 7}}) {
+    RecordingWriter writer(recordings / name);
+    for (int i = 0; i < frames; ++i) {
+      time_us += 30'000 + 1'000 * static_cast<std::uint64_t>(i);
+      ASSERT_TRUE(writer.add(record_frame(ball(400, i), time_us).value()));
+    }
+    ASSERT_TRUE(writer.finish());
+  }
+  PackOptions one = options();
+  one.inputs = {recordings};
+  const auto expected = whole(one);
+  make(one);
+  for (std::uint32_t i = 1; i <= 3; ++i) {
+    const Result<PartReport> report = part(i, 3);
+    ASSERT_TRUE(report) << report.error().message;
+    ASSERT_TRUE(report->failures.empty()) << report->failures.front().message;
+  }
+  EXPECT_EQ(join_error(), "");
+  EXPECT_TRUE(contents(reel_) == expected);
+  EXPECT_EQ(read_manifest(reel_)->segments.front().times_us[2], 63'000u);
+}
+
+TEST_F(Parts, take_pictures_of_depth) {
+  const fs::path capture = reel_.parent_path() / "capture";
+  fs::create_directory(capture);
+  depth_scene::write(capture, kFrames, depth_scene::camera(40));
+  PackOptions one = options();
+  one.inputs = {capture};
+  const auto expected = whole(one);
+  make(one);
+  ASSERT_TRUE(part(1, 2) && part(2, 2));
+  EXPECT_EQ(join_error(), "");
+  EXPECT_TRUE(contents(reel_) == expected);
+  EXPECT_EQ(read_manifest(reel_)->up, 'y');
+
+  fs::remove_all(reel_);
+  make(one);
+  fs::resize_file(capture / "depth/3.png", 10);
+  const Result<PartReport> report = part(1, 7);
+  ASSERT_TRUE(report);
+  ASSERT_EQ(report->failures.size(), 1u);
+  EXPECT_THAT(report->failures.front().message, HasSubstr("capture: has"));
+  EXPECT_THAT(report->failures.front().message, HasSubstr("make the plan again"));
+}
+
 TEST_F(Parts, refuse_files_that_have_changed) {
   make(options());
   ASSERT_TRUE(write_ply(frames_ / "frame2.ply", ball(999, 1)));
@@ -236,6 +288,7 @@ TEST_F(Parts, do_not_trust_a_damaged_plan) {
   };
   EXPECT_THAT(with("\"segment_frames\": 3", "\"segment_frames\": 0"), HasSubstr("is damaged"));
   EXPECT_THAT(with("\"segment_frames\": 3", "\"segment_frames\": -3"), HasSubstr("is damaged"));
+  EXPECT_THAT(with("\"up\": null", "\"up\": \"x\""), HasSubstr("is damaged"));
   EXPECT_THAT(with("\"program\": \"0.1.0\"", "\"program\": \"9\""),
               HasSubstr("was made by version 9"));
   const Result<PackOptions> unknown = parse_pack_command_line({"--no-such-option"});

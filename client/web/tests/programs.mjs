@@ -1,8 +1,9 @@
-// The programs of a build, which run in the background until a test ends them.
+// The programs of a build, which run in the background until a test, or the end of all tests, ends them.
 import { spawn } from "node:child_process";
 import { once } from "node:events";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
+import { after } from "node:test";
 
 const running = new Set();
 
@@ -33,4 +34,5 @@ export const programs = (build) => ({
   link: (...args) => startListening(join(build, "bin/pointreel-link"), args),
 });
 
-process.on("exit", () => { for (const child of running) child.kill(); });
+// Tests that failed have left theirs, for which Node would wait.
+after(() => { for (const child of running) child.kill(); });

@@ -7,9 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include <sys/mman.h>
-
 #include "common/base/concat.h"
+#include "common/base/reserve_large.h"
 #include "common/base/try.h"
 #include "common/cloud/finite.h"
 
@@ -47,19 +46,6 @@ void load_column(const RecordField& field, bool swapped, const std::uint8_t* bas
         out[i] = static_cast<Out>(load_number<T>(from + i * stride));
     }
   });
-}
-
-/// Reserves memory in large pages where there are such: it takes longer to get the small pages of a
-/// large array than to read the file into it.
-template <class T>
-void reserve_large(std::vector<T>& array, std::size_t size) {
-  constexpr std::uintptr_t kPage = std::uintptr_t{1} << 21;
-  array.reserve(size);
-  const auto at = reinterpret_cast<std::uintptr_t>(array.data());
-  const std::uintptr_t begin = (at + kPage - 1) / kPage * kPage;
-  const std::uintptr_t end = (at + size * sizeof(T)) / kPage * kPage;
-  // Only advice, so it does not matter if it is not taken.
-  if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
 }
 
 /// Whether three numbers follow each other in the byte order of this machine.

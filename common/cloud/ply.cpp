@@ -14,6 +14,7 @@
 
 #include "common/base/concat.h"
 #include "common/base/parse_number.h"
+#include "common/base/reserve_large.h"
 #include "common/base/try.h"
 #include "common/cloud/ply_header.h"
 
@@ -36,7 +37,8 @@ enum Role : std::size_t {
   kRoles = kScalar + kMaxScalars
 };
 
-using Block = std::array<std::array<double, kBlockRows>, kRoles>;
+using Column = std::array<double, kBlockRows>;
+using Block = std::array<Column, kRoles>;
 
 /// For each value, the index of the vertex's property that it is read from, or -1.
 using RoleProperties = std::array<int, kRoles>;
@@ -130,61 +132,141 @@ std::uint16_t color_value(PlyType type, double v, const FullBrightness& full) {
   }
 }
 
-/// Collects blocks of rows in a cloud.
+/// Whether floats hold all numbers of a type.
+bool fits_float(PlyType type) { return type == PlyType::float32 || size_of(type) <= 2; }
+
+/// The least and the largest of the first `rows` numbers, with `low` and `high`.
+void grow_range(const Column& column, std::size_t rows, double& low, double& high) {
+  // Several at a time, of which compilers make vector instructions.
+  std::array<double, 8> lows, highs;
+  lows.fill(low);
+  highs.fill(high);
+  std::size_t at = 0;
+  for (; at + 8 <= rows; at += 8) {
+    for (std::size_t i = 0; i < 8; ++i) {
+      lows[i] = std::min(lows[i], column[at + i]);
+      highs[i] = std::max(highs[i], column[at + i]);
+    }
+  }
+  for (; at < rows; ++at) {
+    lows[0] = std::min(lows[0], column[at]);
+    highs[0] = std::max(highs[0], column[at]);
+  }
+  low = *std::min_element(lows.begin(), lows.end());
+  high = *std::max_element(highs.begin(), highs.end());
+}
+
+/// Whether floats can hold the first `rows` numbers: none is NaN, infinite, or would be as a float.
+bool are_in_range(const Column& column, std::size_t rows) {
+  bool in_range = true;
+  for (std::size_t i = 0; i < rows; ++i)
+    in_range &= std::abs(column[i]) <= static_cast<double>(std::numeric_limits<float>::max());
+  return in_range;
+}
+
+/// Adds `rows` values, which `make` makes of their rows.
+template <class T, class F>
+void extend(std::vector<T>& values, std::size_t rows, F&& make) {
+  const std::size_t begin = values.size();
+  values.resize(begin + rows);
+  for (std::size_t i = 0; i < rows; ++i) values[begin + i] = make(i);
+}
+
+/// Collects blocks of rows in a cloud. Most files have positions in floats and colours in bytes,
+/// which become those of the cloud at once. Others wait for what all rows together tell: where the
+/// origin is, and which value is full brightness.
 class CloudBuilder {
  public:
-  CloudBuilder(const PlyElement& vertex, const RoleProperties& properties, std::size_t max_rows)
+  CloudBuilder(const PlyElement& vertex, const RoleProperties& properties, PlyFormat format,
+               std::size_t max_rows)
       : has_normals_(properties[kNormal] >= 0),
         has_colors_(properties[kColor] >= 0),
         has_radii_(properties[kRadius] >= 0) {
+    const auto type_of = [&](std::size_t role) {
+      return vertex.properties[static_cast<std::size_t>(properties[role])].type;
+    };
+    // Numbers in ascii may have more digits than their types.
+    float_positions_ = format != PlyFormat::ascii;
+    for (std::size_t i = 0; i < 3; ++i) float_positions_ &= fits_float(type_of(kPosition + i));
     for (std::size_t i = 0; i < 3 && has_colors_; ++i) {
-      color_types_[i] = vertex.properties[static_cast<std::size_t>(properties[kColor + i])].type;
+      color_types_[i] = type_of(kColor + i);
+      byte_colors_ &= color_types_[i] == PlyType::uint8;
     }
-    positions_.reserve(max_rows);
-    if (has_normals_) cloud_.normals.reserve(max_rows);
-    if (has_colors_) colors_.reserve(max_rows);
-    if (has_radii_) cloud_.radii.reserve(max_rows);
+    if (float_positions_) {
+      reserve_large(cloud_.positions, max_rows);
+    } else {
+      reserve_large(positions_, max_rows);
+    }
+    if (has_normals_) reserve_large(cloud_.normals, max_rows);
+    if (has_colors_ && byte_colors_) reserve_large(cloud_.colors, max_rows);
+    if (has_colors_ && !byte_colors_) reserve_large(colors_, max_rows);
+    if (has_radii_) reserve_large(cloud_.radii, max_rows);
     for (std::size_t role = kScalar; role < kRoles && properties[role] >= 0; ++role) {
       const auto property = static_cast<std::size_t>(properties[role]);
       cloud_.scalars.push_back({vertex.properties[property].name, {}});
-      cloud_.scalars.back().values.reserve(max_rows);
+      reserve_large(cloud_.scalars.back().values, max_rows);
     }
   }
 
   void append(const Block& block, std::size_t rows) {
-    for (std::size_t i = 0; i < rows; ++i) {
-      positions_.emplace_back(block[kPosition][i], block[kPosition + 1][i],
-                              block[kPosition + 2][i]);
+    grow_box(block, rows);
+    const auto vector_at = [&block](Role role, std::size_t i) {
+      return glm::dvec3(block[role][i], block[role + 1][i], block[role + 2][i]);
+    };
+    if (float_positions_) {
+      extend(cloud_.positions, rows,
+             [&](std::size_t i) { return glm::vec3(vector_at(kPosition, i)); });
+    } else {
+      extend(positions_, rows, [&](std::size_t i) { return vector_at(kPosition, i); });
     }
-    for (std::size_t i = 0; i < rows && has_normals_; ++i) {
-      cloud_.normals.emplace_back(static_cast<float>(block[kNormal][i]),
-                                  static_cast<float>(block[kNormal + 1][i]),
-                                  static_cast<float>(block[kNormal + 2][i]));
+    if (has_normals_)
+      extend(cloud_.normals, rows, [&](std::size_t i) { return glm::vec3(vector_at(kNormal, i)); });
+    if (has_colors_ && byte_colors_) {
+      extend(cloud_.colors, rows,
+             [&](std::size_t i) { return glm::u16vec3(glm::ivec3(vector_at(kColor, i)) * 257); });
+    } else if (has_colors_) {
+      extend(colors_, rows, [&](std::size_t i) { return glm::vec3(vector_at(kColor, i)); });
     }
-    if (has_colors_) append_colors(block, rows);
-    for (std::size_t i = 0; i < rows && has_radii_; ++i) {
-      cloud_.radii.push_back(static_cast<float>(block[kRadius][i]));
-    }
+    if (has_radii_)
+      extend(cloud_.radii, rows,
+             [&](std::size_t i) { return static_cast<float>(block[kRadius][i]); });
     for (std::size_t field = 0; field < cloud_.scalars.size(); ++field) {
-      for (std::size_t i = 0; i < rows; ++i)
-        cloud_.scalars[field].values.push_back(static_cast<float>(block[kScalar + field][i]));
+      const Column& column = block[kScalar + field];
+      extend(cloud_.scalars[field].values, rows,
+             [&](std::size_t i) { return static_cast<float>(column[i]); });
     }
   }
 
   PointCloud finish() {
-    if (has_colors_) convert_colors();
+    if (has_colors_ && !byte_colors_) convert_colors();
     cloud_.origin = choose_origin();
-    cloud_.positions.resize(positions_.size());
-    for (std::size_t i = 0; i < positions_.size(); ++i) {
-      cloud_.positions[i] = glm::vec3(positions_[i] - cloud_.origin);
+    if (!float_positions_) {
+      extend(cloud_.positions, positions_.size(),
+             [&](std::size_t i) { return glm::vec3(positions_[i] - cloud_.origin); });
+    } else if (cloud_.origin != glm::dvec3(0.0)) {
+      for (glm::vec3& p : cloud_.positions) p = glm::vec3(glm::dvec3(p) - cloud_.origin);
     }
     return std::move(cloud_);
   }
 
  private:
-  void append_colors(const Block& block, std::size_t rows) {
+  /// Only by points that floats can hold.
+  void grow_box(const Block& block, std::size_t rows) {
+    bool in_range = true;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      in_range &= are_in_range(block[kPosition + axis], rows);
+    if (in_range) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<glm::length_t>(axis);
+        grow_range(block[kPosition + axis], rows, box_.min[i], box_.max[i]);
+      }
+      return;
+    }
+    constexpr double kLargest = std::numeric_limits<float>::max();
     for (std::size_t i = 0; i < rows; ++i) {
-      colors_.emplace_back(block[kColor][i], block[kColor + 1][i], block[kColor + 2][i]);
+      const glm::dvec3 p(block[kPosition][i], block[kPosition + 1][i], block[kPosition + 2][i]);
+      const glm::dvec3 size = glm::abs(p);  // comparisons are false for NaN
+      if (size.x <= kLargest && size.y <= kLargest && size.z <= kLargest) box_.grow(p);
     }
   }
 
@@ -206,36 +288,31 @@ class CloudBuilder {
     // Nobody stores 16 bits to keep colours that are all but black.
     if (largest_color([](PlyType type) { return type == PlyType::uint16; }) <= 255.0)
       full.of_uint16 = 255.0;
-    cloud_.colors.resize(colors_.size());
-    for (std::size_t i = 0; i < colors_.size(); ++i) {
-      for (int channel = 0; channel < 3; ++channel) {
-        cloud_.colors[i][channel] =
+    extend(cloud_.colors, colors_.size(), [&](std::size_t i) {
+      glm::u16vec3 color;
+      for (int channel = 0; channel < 3; ++channel)
+        color[channel] =
             color_value(color_types_[static_cast<std::size_t>(channel)], colors_[i][channel], full);
-      }
-    }
+      return color;
+    });
   }
 
   glm::dvec3 choose_origin() const {
-    constexpr double kLargest = std::numeric_limits<float>::max();
-    Box box;
-    for (const glm::dvec3& p : positions_) {
-      // The comparisons are false for NaN, infinity, and values that would be infinite as floats.
-      const glm::dvec3 size = glm::abs(p);
-      if (size.x <= kLargest && size.y <= kLargest && size.z <= kLargest) box.grow(p);
-    }
-    if (box.empty()) return glm::dvec3(0.0);
-    const glm::dvec3 reach = glm::max(glm::abs(box.min), glm::abs(box.max));
-    const glm::dvec3 extent = box.extent();
+    if (box_.empty()) return glm::dvec3(0.0);
+    const glm::dvec3 reach = glm::max(glm::abs(box_.min), glm::abs(box_.max));
+    const glm::dvec3 extent = box_.extent();
     const double largest = std::max({reach.x, reach.y, reach.z});
     const double longest = std::max({extent.x, extent.y, extent.z});
-    return largest > 2.0 * longest ? box.min : glm::dvec3(0.0);
+    return largest > 2.0 * longest ? box_.min : glm::dvec3(0.0);
   }
 
   PointCloud cloud_;
-  std::vector<glm::dvec3> positions_;
-  std::vector<glm::vec3> colors_;  ///< as they are in the file
+  std::vector<glm::dvec3> positions_;  ///< unless floats hold them
+  std::vector<glm::vec3> colors_;      ///< as they are in the file, unless they are bytes
+  Box box_;
   std::array<PlyType, 3> color_types_{};
   bool has_normals_, has_colors_, has_radii_;
+  bool float_positions_ = false, byte_colors_ = true;
 };
 
 /// The smallest possible number of bytes of a row, which is that of a row whose lists are empty.
@@ -498,7 +575,8 @@ Result<PointCloud> read_body(Body body, const PlyHeader& header, std::size_t dat
       const RoleProperties roles = TRY(assign_roles(element));
       // Plus one, because the last value of an ascii file needs no separator.
       const std::size_t rows = (data_size + 1) / min_row_size(element, header.format);
-      CloudBuilder builder(element, roles, std::min<std::uint64_t>(element.count, rows));
+      CloudBuilder builder(element, roles, header.format,
+                           std::min<std::uint64_t>(element.count, rows));
       TRY(body.read(element, roles, builder));
       cloud = builder.finish();
       if (unread != nullptr) *unread = names_of_unread(element, roles);

@@ -123,6 +123,13 @@ std::uint64_t CloudSequence::end_us() const {
   return times_us.back() + static_cast<std::uint64_t>(1e6 / fps);
 }
 
+std::optional<std::uint64_t> CloudSequence::captured_us() const {
+  // Before 2001 there were no such recordings; after 2100 it is the clock that errs.
+  constexpr std::uint64_t kEarliest = 1'000'000'000'000'000, kLatest = 4'102'444'800'000'000;
+  const std::optional<std::uint64_t> first = frames.front().time_us;
+  return first && *first >= kEarliest && *first < kLatest ? first : std::nullopt;
+}
+
 void CloudSequence::find_times() {
   std::vector<std::uint64_t> times;
   for (const CloudFrame& frame : frames) {

@@ -79,6 +79,8 @@ struct CloudSequence {
   double fps = 0.0;  ///< by the median spacing of `times_us`; 0 without
 
   std::uint64_t end_us() const;
+  /// Unix time of the first frame; nothing if its time is counted from another moment.
+  std::optional<std::uint64_t> captured_us() const;
   /// Sets `times_us` and `fps` by the times of the frames.
   void find_times();
 };

@@ -177,6 +177,7 @@ Result<Manifest> parse_root(const JsonValue& root) {
   const JsonValue segments = fields.array("segments");
   TRY(fields.check());
   manifest.bounds = TRY(at_place("bounds", parse_box(*bounds)));
+  if (fields.has("captured_us")) manifest.captured_us = fields.integer("captured_us", kMaxInteger);
   if (fields.has("max_error")) manifest.max_error = fields.number("max_error");
   if (fields.has("cleaning")) {
     manifest.cleaning = TRY(at_place("cleaning", parse_cleaning(*fields.value("cleaning"))));

@@ -205,6 +205,9 @@ Result<void> check_manifest(const Manifest& manifest) {
       return fail(concat("audio: \"", manifest.audio->path, "\" is used twice"));
     }
   }
+  if (manifest.captured_us && *manifest.captured_us > kMaxInteger) {
+    return fail("captured_us: is above 2^53 - 1");
+  }
   if (manifest.live && manifest.live->start_us > kMaxInteger) {
     return fail("live: start_us: is above 2^53 - 1");
   }

@@ -59,6 +59,7 @@ ordered_json head_json(const Manifest& manifest) {
   if (!manifest.entropy.empty()) head["entropy"] = manifest.entropy;
   head["fps"] = manifest.fps;
   head["duration_us"] = manifest.duration_us;
+  if (manifest.captured_us) head["captured_us"] = *manifest.captured_us;
   head["up"] = std::string(1, manifest.up);
   head["colors"] = manifest.colors;
   head["normals"] = manifest.normals;

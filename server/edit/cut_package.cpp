@@ -71,6 +71,7 @@ Manifest keep(const Manifest& manifest, const Cut& cut) {
   kept.live.reset();
   kept.audio.reset();
   kept.duration_us = cut.end_us - cut.begin_us;
+  if (kept.captured_us) *kept.captured_us += cut.begin_us;
   kept.segments.assign(manifest.segments.begin() + cut.first_segment,
                        manifest.segments.begin() + cut.end_segment);
   const std::uint32_t first = kept.segments.front().first_frame;

@@ -19,7 +19,7 @@ struct FrameRange {
 struct CutOptions {
   PackageFiles input;
   std::filesystem::path output;
-  std::optional<FrameRange> frames;  ///< which to keep; absent: those of the times
+  std::optional<FrameRange> frames = {};  ///< which to keep; absent: those of the times
   /// Which to keep: all that are shown from one time of the reel, up to but not at another.
   std::uint64_t from_us = 0, to_us = UINT64_MAX;
   bool force = false;  ///< replace a package

@@ -29,6 +29,7 @@ Manifest manifest_before(const Manifest& part) {
   static_cast<ReelHead&>(before) = part;
   before.colors = before.normals = false;
   before.scalars.clear();
+  before.captured_us = part.captured_us;
   before.tables = part.tables;
   return before;
 }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -6,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -73,7 +75,8 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
   }
   ordered_json error;
   if (totals.max_error) error = *totals.max_error;
-  ordered_json entropy, tables, audio;
+  ordered_json captured, entropy, tables, audio;
+  if (manifest.captured_us) captured = *manifest.captured_us;
   if (!manifest.entropy.empty()) entropy = manifest.entropy;
   if (manifest.tables) tables = {{"bytes", manifest.tables->bytes}};
   if (manifest.audio)
@@ -86,6 +89,7 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
           {"segments", manifest.segments.size()},
           {"fps", manifest.fps},
           {"duration_s", static_cast<double>(manifest.duration_us) * 1e-6},
+          {"captured_us", captured},
           {"up", std::string(1, manifest.up)},
           {"colors", manifest.colors},
           {"normals", manifest.normals},
@@ -101,11 +105,30 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
           {"audio", audio}};
 }
 
+/// To a thousandth of the box's longest edge, also far from zero.
+std::string corner_text(const Box& box, const glm::dvec3& corner) {
+  const glm::dvec3 extent = box.extent();
+  const double longest = std::max({extent.x, extent.y, extent.z});
+  const int decimals =
+      longest > 0.0 ? std::clamp(3 - static_cast<int>(std::floor(std::log10(longest))), 0, 15) : 0;
+  const auto text = [&](double number) {
+    const int whole = std::abs(number) >= 1.0
+                          ? 1 + static_cast<int>(std::floor(std::log10(std::abs(number))))
+                          : 1;
+    return number_text(number, std::clamp(whole + decimals, 6, 15));
+  };
+  return fmt::format("({}, {}, {})", text(corner.x), text(corner.y), text(corner.z));
+}
+
 void print_info(const Manifest& manifest, const Totals& totals) {
   const double seconds = static_cast<double>(manifest.duration_us) * 1e-6;
   print("{}: {}, {:.2f} s at {} fps, {}, up {}\n", manifest.name,
         counted(manifest.frame_count(), "frame"), seconds, number_text(manifest.fps),
         counted(manifest.segments.size(), "segment"), manifest.up);
+  if (manifest.captured_us) {
+    const auto unix_seconds = static_cast<std::time_t>(*manifest.captured_us / 1'000'000);
+    print("  captured from {:%Y-%m-%d %H:%M:%S} UTC on\n", fmt::gmtime(unix_seconds));
+  }
   print("  codec   {}{}{}, depth {}\n", manifest.codec, manifest.entropy.empty() ? "" : " ",
         manifest.entropy, span_text(manifest.depth_min, manifest.depth_max));
   print("  points  {} ({} per frame), colors {}, normals {}\n", totals.points,
@@ -116,9 +139,8 @@ void print_info(const Manifest& manifest, const Totals& totals) {
           number_text(range.most), range.labels ? ", labels" : "");
   }
   if (!manifest.bounds.empty()) {
-    const glm::dvec3 &low = manifest.bounds.min, &high = manifest.bounds.max;
-    print("  bounds  ({}, {}, {}) to ({}, {}, {})\n", number_text(low.x), number_text(low.y),
-          number_text(low.z), number_text(high.x), number_text(high.y), number_text(high.z));
+    print("  bounds  {} to {}\n", corner_text(manifest.bounds, manifest.bounds.min),
+          corner_text(manifest.bounds, manifest.bounds.max));
   }
   if (totals.max_error) {
     print("  error   at most {}, in the source's units\n", number_text(*totals.max_error, 4));

@@ -91,6 +91,7 @@ Manifest manifest_of(PackedSegment segment, const Manifest& head) {
   static_cast<ReelHead&>(manifest) = head;
   manifest.tables = head.tables;
   manifest.duration_us = head.duration_us;
+  manifest.captured_us = head.captured_us;
   manifest.colors = segment.colors;
   manifest.normals = segment.normals;
   manifest.scalars = std::move(segment.scalars);

@@ -53,6 +53,7 @@ class Packer {
     if (options_.encode.id() == Codec::octree) add_scalar_layer(manifest_.layer_names);
     manifest_.duration_us =
         recorded ? sequence_.end_us() : presentation_time_us(files_.size(), options_.fps);
+    if (recorded) manifest_.captured_us = sequence_.captured_us();
     output_ = {folder, manifest_.layer_names, listener.frame_done, listener.stop, {}};
     if (recorded) output_.time_us = [this](std::size_t i) { return sequence_.times_us[i]; };
   }

@@ -214,7 +214,9 @@ class Unpacking {
     };
     const auto make = [&](std::uint32_t frame) -> Result<RecordedFrame> {
       const PointCloud cloud = TRY(decode(frame));
-      return at_place(place(frame), record_frame(cloud, frame_time_us(manifest_, frame)));
+      const std::uint64_t time_us =
+          manifest_.captured_us.value_or(0) + frame_time_us(manifest_, frame);
+      return at_place(place(frame), record_frame(cloud, time_us));
     };
     const auto write = [&](const Result<RecordedFrame>& frame) {
       if (!written) return;

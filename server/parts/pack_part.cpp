@@ -93,6 +93,7 @@ class PartPacker {
     if (options_.encode.id() == Codec::octree) add_scalar_layer(head_.layer_names);
     head_.duration_us =
         is_timed() ? sequence_.end_us() : presentation_time_us(plan.frames.size(), options_.fps);
+    if (is_timed()) head_.captured_us = sequence_.captured_us();
     head_.tables = plan.tables;
   }
 

@@ -159,6 +159,7 @@ bool RecordedPackage::exists() const {
 Manifest RecordedPackage::head(const LiveHello& hello) const {
   Manifest manifest = live_head(hello, totals_);
   manifest.duration_us = duration_us_;
+  manifest.captured_us = start_us_;
   manifest.audio = audio_;
   return manifest;
 }

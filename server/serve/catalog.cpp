@@ -296,6 +296,7 @@ Result<std::shared_ptr<const Package>> read_package(const PackageFolder& from,
                       {"bytes", bytes},
                       {"codec", manifest->codec},
                       {"changed_us", package->manifest.modified_ns / 1000}};
+  if (manifest->captured_us) package->listing["captured_us"] = *manifest->captured_us;
   return package;
 }
 

@@ -64,6 +64,17 @@ TEST_F(CatalogTest, holds_only_the_files_that_the_manifest_names) {
   EXPECT_EQ(base.file, fs::canonical(reel_) / "0.base.prs");
 }
 
+TEST_F(CatalogTest, lists_when_packages_were_captured) {
+  Manifest manifest = read_manifest(reel_).value();
+  const auto listed = [&] {
+    write_file(reel_ / kManifestName, write_manifest(manifest));
+    return nlohmann::json::parse(Catalog::load({reel_}).value().list({})->text).at("packages")[0];
+  };
+  EXPECT_FALSE(listed().contains("captured_us"));
+  manifest.captured_us = 1'781'280'005'250'000;
+  EXPECT_EQ(listed().at("captured_us"), 1'781'280'005'250'000);
+}
+
 TEST_F(CatalogTest, lists_the_packages) {
   write_package(temporary_.path() / "a b", "1", "22");
   const auto catalog = Catalog::load({reel_, temporary_.path() / "a b"});

@@ -95,8 +95,8 @@ TEST(DepthPoints, pixels_that_fly_between_two_surfaces_are_left_out_and_no_other
   // clean, and so is the wall in its shadow.
   std::vector<std::uint16_t> values;
   for (int y = 0; y < 8; ++y)
-    for (const std::uint16_t z : {2000, 2000, 1700, 1300, 1000, 1010, 1000, 0, 2000, 2000})
-      values.push_back(z);
+    for (const int z : {2000, 2000, 1700, 1300, 1000, 1010, 1000, 0, 2000, 2000})
+      values.push_back(static_cast<std::uint16_t>(z));
   const PointCloud cloud = depth_points(picture_of(10, values), depth_scene::camera(10), nullptr);
   EXPECT_EQ(cloud.size(), 8u * 7u);
   for (const glm::vec3& p : cloud.positions) EXPECT_TRUE(p.z == -2.0f || p.z > -1.02f) << p.z;

@@ -154,6 +154,7 @@ TEST_F(Edit, a_cut_has_whole_segments_with_the_same_bytes_from_time_0_on) {
   for (std::uint32_t i = 0; i < 9; ++i)
     EXPECT_EQ(frame_time_us(kept, i), frame_time_us(whole, i + 3) - frame_time_us(whole, 3));
   EXPECT_EQ(kept.duration_us, frame_time_us(whole, 12) - frame_time_us(whole, 3));
+  EXPECT_FALSE(kept.captured_us);
   EXPECT_EQ(static_cast<const ReelHead&>(kept), whole);
   EXPECT_EQ(kept.segments[1].layers[0].path.substr(0, 14), "00000003.base.");
   std::uint64_t bytes = 0;
@@ -433,6 +434,10 @@ TEST_F(RecorderTest, a_recording_is_cut_while_it_grows_and_joined_with_the_next)
   const auto growing = cut_package({.input = package(), .output = out / "growing"});
   ASSERT_TRUE(growing) << growing.error().message;
   EXPECT_EQ(growing->frames.last, 19u);
+  EXPECT_EQ(read_manifest(out / "growing")->captured_us, kStart);
+  ASSERT_TRUE(
+      cut_package({.input = package(), .output = out / "later", .frames = FrameRange{7, 12}}));
+  EXPECT_EQ(read_manifest(out / "later")->captured_us, kStart + 5 * kPeriod);
   EXPECT_FALSE(read_manifest(out / "growing")->live);
   recorder.end();
   recorder.hello(real_hello(2));
@@ -447,6 +452,7 @@ TEST_F(RecorderTest, a_recording_is_cut_while_it_grows_and_joined_with_the_next)
       {.inputs = {package(), package("stage-2")}, .output = out / "joined", .force = false});
   ASSERT_TRUE(joined) << joined.error().message;
   EXPECT_EQ(joined->frames, 33u);
+  EXPECT_EQ(read_manifest(out / "joined")->captured_us, kStart);
   EXPECT_THAT(joined->silent, ElementsAre(0u));
   std::uint32_t frames = 0;
   EXPECT_THAT(faults(out / "joined", frames), IsEmpty());

@@ -52,6 +52,7 @@ TEST_F(RecorderTest, a_recording_is_a_package_at_every_moment) {
   EXPECT_EQ(frames, 23u);
   const Manifest manifest = read_manifest(package()).value();
   EXPECT_FALSE(manifest.live);
+  EXPECT_EQ(manifest.captured_us, kStart);
   EXPECT_EQ(frame_time_us(manifest, 7), 7 * kPeriod);
   EXPECT_EQ(manifest.duration_us, 23 * kPeriod);
   EXPECT_EQ(manifest.bounds, real_hello().bounds);

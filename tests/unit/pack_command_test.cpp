@@ -287,6 +287,44 @@ TEST_F(PackCommand, verify_detects_a_missing_layer_even_if_it_adds_no_points) {
   EXPECT_THAT(outcome.out, HasSubstr("frame 0: has 2 layers, its header says 3"));
 }
 
+TEST_F(PackCommand, info_prints_enough_digits_of_bounds_far_from_zero) {
+  write_frames(1);
+  ASSERT_EQ(run_pack({}).code, kExitOk);
+  Manifest manifest = *read_manifest(reel_);
+  manifest.bounds = {{498'062.0, 7'050'992.84, 74.34}, {498'067.39, 7'050'997.04, 80.02}};
+  write_file(reel_ / kManifestName, write_manifest(manifest));
+  EXPECT_THAT(run({"info", reel_.string()}).out,
+              HasSubstr("(498062, 7050992.84, 74.34) to (498067.39, 7050997.04, 80.02)"));
+}
+
+TEST_F(PackCommand, the_time_of_capture_goes_into_recordings_and_comes_back) {
+  constexpr std::uint64_t kCaptured = 1'781'280'005'250'000;
+  write_frames(3);
+  ASSERT_EQ(run_pack({}).code, kExitOk);
+  EXPECT_EQ(json::parse(run({"info", reel_.string(), "--json"}).out).at("captured_us"), nullptr);
+  Manifest manifest = *read_manifest(reel_);
+  manifest.captured_us = kCaptured;
+  write_file(reel_ / kManifestName, write_manifest(manifest));
+  EXPECT_THAT(run({"info", reel_.string()}).out,
+              HasSubstr("captured from 2026-06-12 16:00:05 UTC on"));
+  const auto recording = reel_.parent_path() / "recording", again = reel_.parent_path() / "again";
+  ASSERT_EQ(
+      run({"unpack", "-i", reel_.string(), "-o", recording.string(), "--format", "mcap"}).code,
+      kExitOk);
+  ASSERT_EQ(run({"pack", "-i", recording.string(), "-o", again.string()}).code, kExitOk);
+  EXPECT_EQ(read_manifest(again)->captured_us, kCaptured);
+  EXPECT_EQ(read_manifest(again)->segments[0].times_us, manifest.segments[0].times_us);
+  // Times from zero on are not those of a clock.
+  manifest.captured_us.reset();
+  write_file(reel_ / kManifestName, write_manifest(manifest));
+  ASSERT_EQ(
+      run({"unpack", "-i", reel_.string(), "-o", recording.string(), "--format", "mcap", "--force"})
+          .code,
+      kExitOk);
+  ASSERT_EQ(run({"pack", "-i", recording.string(), "-o", again.string(), "--force"}).code, kExitOk);
+  EXPECT_FALSE(read_manifest(again)->captured_us);
+}
+
 TEST_F(PackCommand, info_prints_the_contents_of_the_manifest) {
   write_frames(2);
   ASSERT_EQ(run_pack({"--fps", "25", "--up", "z", "--name", "ball game"}).code, kExitOk);

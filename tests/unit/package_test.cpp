@@ -134,6 +134,15 @@ TEST(Manifest, tells_how_frames_were_cleaned) {
   EXPECT_THAT(error_with({{"cleaning", 5}}), HasSubstr("cleaning"));
 }
 
+TEST(Manifest, tells_when_it_was_captured) {
+  Manifest m = example();
+  m.captured_us = 1'781'280'005'250'000;
+  EXPECT_EQ(parse_manifest(write_manifest(m))->captured_us, m.captured_us);
+  EXPECT_FALSE(parse_manifest(write_manifest(example()))->captured_us);
+  for (const json& wrong : {json(-1), json(0.5), json("2026"), json(9007199254740992)})
+    EXPECT_THAT(error_with({{"captured_us", wrong}}), HasSubstr("captured_us")) << wrong;
+}
+
 TEST(Manifest, is_parsed_as_it_was_written) {
   const Manifest m = example();
   const Result<Manifest> back = parse_manifest(write_manifest(m));

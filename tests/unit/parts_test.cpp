@@ -200,6 +200,7 @@ TEST_F(Parts, take_frames_of_recordings_at_their_times) {
   EXPECT_EQ(join_error(), "");
   EXPECT_TRUE(contents(reel_) == expected);
   EXPECT_EQ(read_manifest(reel_)->segments.front().times_us[2], 63'000u);
+  EXPECT_EQ(read_manifest(reel_)->captured_us, 1'700'000'000'030'000u);
 }
 
 TEST_F(Parts, take_pictures_of_depth) {

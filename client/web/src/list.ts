@@ -5,7 +5,7 @@ import "./element";
 import type { PointreelPlayer } from "./element";
 import { refusal } from "./fetching";
 
-interface Reel { name: string; url: string; manifest: string; frames: number; fps: number; duration_us: number; bytes: number; codec: string; changed_us?: number }
+interface Reel { name: string; url: string; manifest: string; frames: number; fps: number; duration_us: number; bytes: number; codec: string; changed_us?: number; captured_us?: number }
 interface Stream { name: string; url: string; publishing: boolean; viewers: number }
 
 /** A path of the server's list, which may begin with "/" although the server is below a folder of another one. */
@@ -59,10 +59,10 @@ export async function showList(root: HTMLElement, base: URL, token: string | nul
     stream.protocol = base.protocol.replace("http", "ws");
     if (publishing) posters.add(picture, stream.href);
   }
-  for (const { name, url, manifest, duration_us, frames, bytes, changed_us } of packages) {
+  for (const { name, url, manifest, duration_us, frames, bytes, changed_us, captured_us = changed_us } of packages) {
     const picture = add(within(base, url.replace(/\/(reel\.json)?$/, "")), name,
                         `${timeText(duration_us)}, ${frames} ${frames === 1 ? "frame" : "frames"}, ${bytesText(bytes)}` +
-                          (changed_us === undefined ? "" : `, ${dayText(changed_us)}`), false);
+                          (captured_us === undefined ? "" : `, ${dayText(captured_us)}`), false);
     posters.add(picture, within(base, manifest).href);
   }
   const none = element("p", { hidden: "" }, "None of the reels and live streams has these words.");

@@ -30,7 +30,9 @@ test("reels on the screen get their pictures one by one, and the others when one
     field.dispatchEvent(new Event("input"));
   })()`);
   await search("REEL4 2026-01");
-  assert.equal(await shown(), 11, "reel4 and reel40 to reel49");
+  assert.equal(await shown(), 10, "reel4 and reel40 to reel49, but not reel47");
+  await search("2025-07-01");
+  assert.equal(await shown(), 5, "those that were captured that day: reel7, reel17 and so on");
   await search("nothing of the kind");
   assert.equal(await shown(), 0);
   await search("");

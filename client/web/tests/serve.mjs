@@ -19,7 +19,8 @@ export function serve(page, reels, requests = [], damage = null) {
     packages: [...folders].map(([name, folder]) => {
       const reel = JSON.parse(readFileSync(join(folder, "reel.json"), "utf8"));
       return { name, url: `/${name}`, manifest: `/${name}/reel.json`, fps: reel.fps, duration_us: reel.duration_us,
-               codec: reel.codec, changed_us: Date.UTC(2026, 0, 31, 12) * 1000, frames: reel.segments.reduce((n, s) => n + s.times_us.length, 0),
+               codec: reel.codec, changed_us: Date.UTC(2026, 0, 31, 12) * 1000,
+               ...(name.endsWith("7") ? { captured_us: Date.UTC(2025, 6, 1, 12) * 1000 } : {}), frames: reel.segments.reduce((n, s) => n + s.times_us.length, 0),
                bytes: readdirSync(folder).reduce((n, f) => n + statSync(join(folder, f)).size, 0) };
     }),
     streams: [],

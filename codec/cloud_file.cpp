@@ -1,6 +1,7 @@
 #include "codec/cloud_file.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -24,7 +25,45 @@ namespace fs = std::filesystem;
 
 bool hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
 
-Result<std::vector<fs::path>> list_folder(const fs::path& folder) {
+/// Leaves the files of the commonest format: another one among them is a model or a copy, and no
+/// frame. An error if there are two such formats.
+Result<void> leave_one_format(const fs::path& folder, std::vector<fs::path>& files,
+                              std::vector<std::string>* warnings) {
+  const auto format_of_name = [](const fs::path& file) {
+    return format_of({}, file.filename().string());
+  };
+  std::map<CloudFormat, std::vector<fs::path>> by_format;
+  for (const fs::path& file : files) by_format[format_of_name(file)].push_back(file);
+  if (by_format.size() < 2) return {};
+  const auto fewer = [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); };
+  const auto most = std::max_element(by_format.begin(), by_format.end(), fewer);
+  for (const auto& other : by_format) {
+    if (&other == &*most) continue;
+    const std::string first = other.second.front().filename().string();
+    if (!fewer(other, *most)) {
+      const std::string kept = most->second.front().filename().string();
+      return fail(ErrorCode::argument,
+                  fmt::format("{}: has as many files like {} as like {}; name those that are the "
+                              "frames, such as {}/*{}",
+                              folder.string(), kept, first, folder.string(),
+                              most->second.front().extension().string()));
+    }
+    if (warnings == nullptr) continue;
+    const std::size_t count = other.second.size();
+    warnings->push_back(
+        count == 1
+            ? fmt::format("{}: has another format than most, so it is no frame",
+                          other.second.front().string())
+            : fmt::format("{}: {} files such as {} have another format than most, so they are no "
+                          "frames",
+                          folder.string(), count, first));
+  }
+  files = std::move(most->second);
+  return {};
+}
+
+Result<std::vector<fs::path>> list_folder(const fs::path& folder,
+                                          std::vector<std::string>* warnings) {
   std::error_code code;
   std::vector<fs::path> files, perhaps;
   for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
@@ -39,6 +78,7 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder) {
                 fmt::format("{}: cannot be listed: {}", folder.string(), code.message()));
   }
   if (files.empty() && is_depth_folder(folder)) return std::vector<fs::path>{folder};
+  TRY(leave_one_format(folder, files, warnings));
   if (files.empty()) files = std::move(perhaps);
   if (files.empty()) {
     return fail(ErrorCode::not_found,
@@ -179,7 +219,7 @@ Result<std::shared_ptr<const Recording>> open_recording(const fs::path& path,
 Result<CloudSequence> list_cloud_frames(const std::vector<fs::path>& inputs,
                                         const std::string& topic, std::uint64_t max_memory) {
   CloudSequence sequence;
-  for (const fs::path& file : TRY(list_cloud_files(inputs))) {
+  for (const fs::path& file : TRY(list_cloud_files(inputs, &sequence.warnings))) {
     if (const auto recording = TRY(open_recording(file, topic, max_memory))) {
       add_recording(sequence, file, recording);
     } else {
@@ -233,7 +273,8 @@ std::optional<char> up_of_frame(const CloudFrame& frame) {
   return frame.recording == nullptr ? up_of_file(frame.file) : up_of(frame.recording->format());
 }
 
-Result<std::vector<fs::path>> list_cloud_files(const std::vector<fs::path>& inputs) {
+Result<std::vector<fs::path>> list_cloud_files(const std::vector<fs::path>& inputs,
+                                               std::vector<std::string>* warnings) {
   std::vector<fs::path> files;
   for (const fs::path& input : inputs) {
     std::error_code code;
@@ -245,7 +286,7 @@ Result<std::vector<fs::path>> list_cloud_files(const std::vector<fs::path>& inpu
       files.push_back(input);
       continue;
     }
-    const std::vector<fs::path> listed = TRY(list_folder(input));
+    const std::vector<fs::path> listed = TRY(list_folder(input, warnings));
     files.insert(files.end(), listed.begin(), listed.end());
   }
   if (files.empty()) {

@@ -54,11 +54,12 @@ bool has_cloud_files(const std::filesystem::path& folder);
 
 /// The files that `inputs` name, in order: a folder stands for its files of points in natural order
 /// (frame2 before frame10), a file for itself. Where a folder has files that are clearly of points,
-/// those that may be something else (.txt, .csv, .bin, .mkv) do not count. A folder with pictures
-/// of depth (depth_folder.h), and no files that are clearly of points, stands for itself. Fails if
-/// there are none.
+/// those that may be something else (.txt, .csv, .bin, .mkv) do not count. Of several formats, only
+/// the one with most files counts; `warnings` receives a line about the others. A folder with
+/// pictures of depth (depth_folder.h), and no files that are clearly of points, stands for itself.
+/// Fails if there are none, and if two formats have as many files.
 Result<std::vector<std::filesystem::path>> list_cloud_files(
-    const std::vector<std::filesystem::path>& inputs);
+    const std::vector<std::filesystem::path>& inputs, std::vector<std::string>* warnings = nullptr);
 
 /// One frame of a sequence: a file, or one of the clouds in a recording.
 struct CloudFrame {
@@ -76,7 +77,8 @@ struct CloudSequence {
   /// When each frame is shown, in microseconds from the first, and the end of the last. Empty
   /// unless all frames have times, in order.
   std::vector<std::uint64_t> times_us;
-  double fps = 0.0;  ///< by the median spacing of `times_us`; 0 without
+  double fps = 0.0;                   ///< by the median spacing of `times_us`; 0 without
+  std::vector<std::string> warnings;  ///< of list_cloud_files
 
   std::uint64_t end_us() const;
   /// Unix time of the first frame; nothing if its time is counted from another moment.

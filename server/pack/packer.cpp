@@ -63,6 +63,7 @@ class Packer {
     // Refuses what a client would refuse before the work, not after it.
     TRY(parse_manifest(write_manifest(manifest_)));
     if (listener_.begin) listener_.begin(static_cast<std::uint32_t>(files_.size()));
+    for (const std::string& line : sequence_.warnings) warn(line);
     if (options_.audio) {
       manifest_.audio =
           TRY(write_audio(*options_.audio, output_.folder, manifest_.duration_us, listener_.stop));
@@ -84,11 +85,13 @@ class Packer {
   }
 
  private:
+  void warn(const std::string& line) {
+    summary_.warnings.push_back(line);
+    if (listener_.warn) listener_.warn(line);
+  }
+
   Result<void> add(PackedSegment segment) {
-    for (const std::string& line : warnings_.fresh(segment)) {
-      summary_.warnings.push_back(line);
-      if (listener_.warn) listener_.warn(line);
-    }
+    for (const std::string& line : warnings_.fresh(segment)) warn(line);
     const bool is_first = summary_.segments.empty();
     const SegmentSummary& added = segment.summary;
     summary_.frames += added.frames;

@@ -48,6 +48,7 @@ int run_plan(const PackArguments& arguments) {
   const StopSignal stop;
   const Result<MadePlan> made = make_plan(*options, arguments.command_line(), stop.token());
   if (!made) return failed(made.error());
+  for (const std::string& line : made->warnings) print_error("warning: " + line);
   print("{}: {} in {}\n", parts_folder(options->output).string(), counted(made->frames, "frame"),
         counted(made->segments, "segment"));
   if (made->learnt && made->learnt->bytes > 0)

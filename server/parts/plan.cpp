@@ -182,8 +182,8 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
   }
   PackOptions options = asked;
   if (options.name.empty()) options.name = default_reel_name(options.output);
-  const std::vector<CloudFrame> frames =
-      TRY(list_cloud_frames(options.inputs, options.topic)).frames;
+  CloudSequence sequence = TRY(list_cloud_frames(options.inputs, options.topic));
+  const std::vector<CloudFrame>& frames = sequence.frames;
   PackPlan plan;
   plan.arguments = std::move(arguments);
   plan.name = options.name;
@@ -200,7 +200,8 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
   TRY(check_output(options));
   const fs::path folder = parts_folder(options.output);
   TRY(make_folder(folder, options.force));
-  MadePlan made{static_cast<std::uint32_t>(frames.size()), plan.segments(), {}};
+  MadePlan made{
+      static_cast<std::uint32_t>(frames.size()), plan.segments(), {}, std::move(sequence.warnings)};
   const auto complete = [&]() -> Result<void> {
     if (options.train) {
       const PackageTables tables = TRY(in_arena(

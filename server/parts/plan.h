@@ -65,6 +65,7 @@ std::filesystem::path segment_manifest(const std::filesystem::path& folder,
 struct MadePlan {
   std::uint32_t frames = 0, segments = 0;
   std::optional<LearntTables> learnt;  ///< with PackOptions::train
+  std::vector<std::string> warnings;   ///< CloudSequence::warnings
 };
 
 /// Lists the input frames, learns context tables if that is asked for, and writes the plan.

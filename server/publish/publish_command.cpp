@@ -59,6 +59,7 @@ Result<std::unique_ptr<FrameInput>> open_input(const PublishArguments& arguments
   if (arguments.input == "-") return read_pipe(STDIN_FILENO);
   if (arguments.follow) return follow_folder(arguments.input);
   CloudSequence sequence = TRY(list_cloud_frames({fs::path(arguments.input)}, arguments.topic));
+  for (const std::string& line : sequence.warnings) print_error("warning: " + line);
   if (!arguments.sequence.times_of_files()) sequence.times_us.clear();
   if (!sequence.times_us.empty()) options.fps = std::clamp(sequence.fps, kMinFps, kMaxFps);
   if (arguments.sequence.up_of_files())

@@ -97,23 +97,40 @@ TEST_F(CloudFile, errors_begin_with_the_path_and_take_one_line) {
 }
 
 TEST_F(CloudFile, a_folder_gives_its_frames_in_natural_order) {
-  for (const char* name : {"frame10.ply", "frame2.PLY", "frame1.drc", ".hidden.ply", "notes.txt",
+  for (const char* name : {"frame10.ply", "frame2.PLY", "frame1.ply", ".hidden.ply", "notes.txt",
                            "frame3.ply.bak", "ply"}) {
     write(name, kPly);
   }
   write("inner.ply/frame0.ply", kPly);  // a folder is not a frame, whatever its name
   const auto files = list_cloud_files({folder_.path()});
   ASSERT_TRUE(files) << files.error().message;
-  EXPECT_THAT(names(*files), ElementsAre("frame1.drc", "frame2.PLY", "frame10.ply"));
+  EXPECT_THAT(names(*files), ElementsAre("frame1.ply", "frame2.PLY", "frame10.ply"));
+}
+
+TEST_F(CloudFile, of_several_formats_the_commonest_has_the_frames) {
+  for (const char* name : {"0.ply", "1.ply", "2.PLY", "figure.glb", "0.drc", "1.drc"})
+    write(name, kPly);
+  std::vector<std::string> warnings;
+  EXPECT_THAT(names(*list_cloud_files({folder_.path()}, &warnings)),
+              ElementsAre("0.ply", "1.ply", "2.PLY"));
+  EXPECT_THAT(warnings,
+              testing::UnorderedElementsAre(HasSubstr("figure.glb"), HasSubstr("2 files")));
+  write("2.drc", kPly);
+  const auto files = list_cloud_files({folder_.path()});
+  ASSERT_FALSE(files);
+  EXPECT_THAT(files.error().message, HasSubstr("has as many files like"));
+  EXPECT_EQ(names(*list_cloud_files({folder_ / "0.ply", folder_ / "0.drc"})).size(), 2u)
+      << "files that are named are frames";
 }
 
 TEST_F(CloudFile, files_that_may_be_something_else_count_where_there_are_no_others) {
   for (const char* name : {"2.txt", "1.csv", "calibration.bin"}) write(name, "1 2 3\n");
   EXPECT_THAT(names(*list_cloud_files({folder_.path()})),
               ElementsAre("1.csv", "2.txt", "calibration.bin"));
-  write("0.xyz", "1 2 3\n");
   write("sweep.pcd.bin", "1 2 3\n");
-  EXPECT_THAT(names(*list_cloud_files({folder_.path()})), ElementsAre("0.xyz", "sweep.pcd.bin"));
+  EXPECT_THAT(names(*list_cloud_files({folder_.path()})), ElementsAre("sweep.pcd.bin"));
+  for (const char* name : {"0.xyz", "1.xyz"}) write(name, "1 2 3\n");
+  EXPECT_THAT(names(*list_cloud_files({folder_.path()})), ElementsAre("0.xyz", "1.xyz"));
 }
 
 TEST_F(CloudFile, the_format_tells_which_axis_points_up) {

@@ -186,6 +186,15 @@ TEST(Ply, reads_a_nan_colour_as_black) {
   EXPECT_EQ(cloud.colors.at(0), glm::u16vec3(0, 0, 65535));
 }
 
+TEST(Ply, clamps_ascii_colours_of_bytes) {
+  const PointCloud cloud = read(
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+      "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "end_header\n0 0 0 300 -5 nan\n1 0 0 12.7 1e300 -inf\n");
+  EXPECT_EQ(cloud.colors.at(0), glm::u16vec3(65535, 0, 0));
+  EXPECT_EQ(cloud.colors.at(1), glm::u16vec3(12 * 257, 65535, 0));
+}
+
 TEST(Ply, accepts_alternative_names_of_colours_and_normals) {
   const PointCloud cloud = read(
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty uchar diffuse_blue\nproperty float x\n"
@@ -418,6 +427,34 @@ TEST(Ply, subtracts_a_far_origin_in_double) {
   EXPECT_EQ(cloud.origin, glm::dvec3(4500000.125, -1000000.0625, 812.5));
   EXPECT_NEAR(cloud.world(1).x, 4500001.0001, 1e-7);
   EXPECT_NEAR(cloud.world(1).z, 812.5001, 1e-7);
+}
+
+TEST(Ply, keeps_all_digits_of_ascii_whatever_the_type) {
+  const PointCloud cloud = read(ascii_xyz("498062.281 7050992.843 75.162\n498063 7050993 75\n"));
+  EXPECT_EQ(cloud.origin, glm::dvec3(498062.281, 7050992.843, 75.0));
+  EXPECT_NEAR(cloud.world(0).y, 7050992.843, 1e-6);
+  EXPECT_NEAR(cloud.world(1).y, 7050993.0, 1e-6);
+}
+
+TEST(Ply, moves_floats_far_from_zero_to_their_corner_and_leaves_what_is_not_finite_there) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  std::string text =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 1003\nproperty float x\n"
+      "property float y\nproperty float z\nend_header\n";
+  const auto add = [&](float x, float y, float z) {
+    for (const float v : {x, y, z}) text += bytes_of<float>(v, false);
+  };
+  // More than a block, which is looked at in another way if it has such points.
+  for (int i = 0; i < 1000; ++i) add(100.0f + 0.001f * static_cast<float>(i), 7, 8);
+  add(kInf, 7, 8);
+  add(std::numeric_limits<float>::quiet_NaN(), -50, 8);
+  add(101, 6, 9);
+  const PointCloud cloud = read(text);
+  EXPECT_EQ(cloud.origin, glm::dvec3(100, 6, 8));
+  EXPECT_EQ(cloud.positions[0], glm::vec3(0, 1, 0));
+  EXPECT_EQ(cloud.positions[1000].x, kInf);
+  EXPECT_TRUE(std::isnan(cloud.positions[1001].x));
+  EXPECT_EQ(cloud.positions[1002], glm::vec3(1, 0, 1));
 }
 
 TEST(Ply, keeps_points_that_are_not_finite_and_ignores_them_for_the_origin) {

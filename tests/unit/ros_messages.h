@@ -202,7 +202,9 @@ class McapWriter {
   void put_raw(const char* text, std::size_t size) {
     bytes_.insert(bytes_.end(), text, text + size);
   }
-  Bytes bytes_{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+  static Bytes magic() { return {0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'}; }
+
+  Bytes bytes_ = magic();
 };
 
 inline Bytes operator+(Bytes a, const Bytes& b) {

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "common/cloud/ply_header.h"
+#include "pointreel/cloud.h"
+#include "pointreel/error.h"
+#include "pointreel/geometry.h"
+
+/// The vertices of PLY files on their way into a cloud. ply.h says which properties become what.
+namespace pointreel {
+
+/// Vertices pass through columns of doubles, a block of rows at a time, so that all formats and
+/// types share the code that builds the cloud, and memory grows only with the rows that the data
+/// hold.
+inline constexpr std::size_t kPlyBlockRows = 512;
+
+/// The values that a vertex may have. A vector takes three consecutive numbers, and each scalar
+/// field one.
+enum PlyRole : std::size_t {
+  kPosition = 0,
+  kNormal = 3,
+  kColor = 6,
+  kRadius = 9,
+  kScalar = 10,
+  kRoles = kScalar + kMaxScalars
+};
+
+using PlyColumn = std::array<double, kPlyBlockRows>;
+using PlyBlock = std::array<PlyColumn, kRoles>;
+
+/// For each value, the index of the vertex's property that it is read from, or -1.
+using PlyRoles = std::array<int, kRoles>;
+
+/// Errors: `invalid` if x, y or z is missing.
+Result<PlyRoles> assign_roles(const PlyElement& vertex);
+
+/// The inverse: for each property, the value that it is read into, or kRoles if it is not read.
+/// `roles` may be null.
+std::vector<PlyRole> roles_by_property(const PlyElement& element, const PlyRoles* roles);
+
+/// Collects blocks of rows in a cloud. Most files have positions in floats and colours in bytes,
+/// which become those of the cloud at once. Others wait for what all rows together tell: where the
+/// origin is, and which value is full brightness.
+class PlyCloud {
+ public:
+  /// Memory for `max_rows` rows is taken at once, so that they should be known to be there.
+  PlyCloud(const PlyElement& vertex, const PlyRoles& roles, PlyFormat format, std::size_t max_rows);
+
+  void append(const PlyBlock& block, std::size_t rows);
+  PointCloud finish();
+
+ private:
+  void grow_box(const PlyBlock& block, std::size_t rows);
+  double largest_color(bool (*of_type)(PlyType)) const;
+  void convert_colors();
+  glm::dvec3 choose_origin() const;
+
+  PointCloud cloud_;
+  std::vector<glm::dvec3> positions_;  ///< unless floats hold them
+  std::vector<glm::vec3> colors_;      ///< as they are in the file, unless they are bytes
+  Box box_;                            ///< of the points that floats can hold
+  std::array<PlyType, 3> color_types_{};
+  bool has_normals_, has_colors_, has_radii_;
+  bool float_positions_ = false, byte_colors_ = true;
+};
+
+}  // namespace pointreel

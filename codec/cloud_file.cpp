@@ -25,38 +25,40 @@ namespace fs = std::filesystem;
 
 bool hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
 
-/// Leaves the files of the commonest format: another one among them is a model or a copy, and no
-/// frame. An error if there are two such formats.
-Result<void> leave_one_format(const fs::path& folder, std::vector<fs::path>& files,
-                              std::vector<std::string>* warnings) {
-  const auto format_of_name = [](const fs::path& file) {
-    return format_of({}, file.filename().string());
-  };
+/// Keeps only the files of the commonest format: a file of another one is a model or a copy, not a
+/// frame. A recording is more than any number of files of one cloud. Fails if two formats have
+/// equally many files.
+Result<void> keep_commonest_format(const fs::path& folder, std::vector<fs::path>& files,
+                                   std::vector<std::string>* warnings) {
   std::map<CloudFormat, std::vector<fs::path>> by_format;
-  for (const fs::path& file : files) by_format[format_of_name(file)].push_back(file);
+  for (const fs::path& file : files)
+    by_format[format_of({}, file.filename().string())].push_back(file);
   if (by_format.size() < 2) return {};
-  const auto fewer = [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); };
-  const auto most = std::max_element(by_format.begin(), by_format.end(), fewer);
+  const auto weight = [](const auto& kind) {
+    return std::pair(kind.first == CloudFormat::mcap, kind.second.size());
+  };
+  const auto most =
+      std::max_element(by_format.begin(), by_format.end(),
+                       [&](const auto& a, const auto& b) { return weight(a) < weight(b); });
   for (const auto& other : by_format) {
     if (&other == &*most) continue;
     const std::string first = other.second.front().filename().string();
-    if (!fewer(other, *most)) {
-      const std::string kept = most->second.front().filename().string();
-      return fail(ErrorCode::argument,
-                  fmt::format("{}: has as many files like {} as like {}; name those that are the "
-                              "frames, such as {}/*{}",
-                              folder.string(), kept, first, folder.string(),
-                              most->second.front().extension().string()));
+    if (weight(other) == weight(*most)) {
+      return fail(
+          ErrorCode::argument,
+          fmt::format("{0}: has as many files like {1} as like {2}; name those that are the "
+                      "frames, such as {0}/*{3}",
+                      folder.string(), most->second.front().filename().string(), first,
+                      most->second.front().extension().string()));
     }
     if (warnings == nullptr) continue;
     const std::size_t count = other.second.size();
     warnings->push_back(
-        count == 1
-            ? fmt::format("{}: has another format than most, so it is no frame",
-                          other.second.front().string())
-            : fmt::format("{}: {} files such as {} have another format than most, so they are no "
-                          "frames",
-                          folder.string(), count, first));
+        count == 1 ? fmt::format("{}: is left out, because most files here have another format",
+                                 other.second.front().string())
+                   : fmt::format("{}: {} files such as {} are left out, because most files here "
+                                 "have another format",
+                                 folder.string(), count, first));
   }
   files = std::move(most->second);
   return {};
@@ -78,7 +80,6 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder,
                 fmt::format("{}: cannot be listed: {}", folder.string(), code.message()));
   }
   if (files.empty() && is_depth_folder(folder)) return std::vector<fs::path>{folder};
-  TRY(leave_one_format(folder, files, warnings));
   if (files.empty()) files = std::move(perhaps);
   if (files.empty()) {
     return fail(ErrorCode::not_found,
@@ -87,6 +88,7 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder,
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
     return natural_less(a.filename().string(), b.filename().string());
   });
+  TRY(keep_commonest_format(folder, files, warnings));
   return files;
 }
 

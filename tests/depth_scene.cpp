@@ -3,9 +3,14 @@
 #include <cmath>
 #include <cstddef>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <png.h>
+
+#include "common/base/run_program.h"
+#include "common/base/try.h"
 
 namespace pointreel::depth_scene {
 namespace {
@@ -106,6 +111,25 @@ void write(const std::filesystem::path& folder, int frames, const CameraIntrinsi
     put(fmt::format("depth/{}.png", frame), png(depth(camera, frame)));
     put(fmt::format("color/{}.png", frame), png(color(camera, frame)));
   }
+}
+
+Result<void> write_video(const std::filesystem::path& folder, const std::filesystem::path& video,
+                         int fps) {
+  std::filesystem::copy_file(folder / "intrinsic.json",
+                             std::filesystem::path(video).replace_extension(".json"));
+  std::vector<std::string> arguments = {"ffmpeg", "-loglevel", "error"};
+  for (const char* pictures : {"depth/%d.png", "color/%d.png"})
+    for (const std::string& argument : {std::string("-framerate"), std::to_string(fps),
+                                        std::string("-i"), (folder / pictures).string()})
+      arguments.push_back(argument);
+  for (const char* argument :
+       {"-map", "0", "-map", "1", "-c:v:0", "ffv1", "-pix_fmt:v:0", "gray16le", "-c:v:1", "mjpeg",
+        "-q:v:1", "2", "-pix_fmt:v:1", "yuvj420p"})
+    arguments.emplace_back(argument);
+  arguments.push_back(video.string());
+  const ProgramOutcome made = TRY(run_program(arguments));
+  if (made.exit_code != 0) return fail(made.out);
+  return {};
 }
 
 }  // namespace pointreel::depth_scene

@@ -8,6 +8,7 @@
 
 #include "codec/formats/camera_intrinsics.h"
 #include "codec/formats/picture.h"
+#include "pointreel/error.h"
 
 /// A red ball that moves before a slanted wall, as a depth camera sees it: for tests and
 /// benchmarks. Coordinates are the camera's: x to the right, y down, z ahead, in metres.
@@ -38,5 +39,10 @@ std::string png(const ColorPicture& picture);
 
 /// Writes `depth/0.png`, `color/0.png`, and so on, and intrinsic.json.
 void write(const std::filesystem::path& folder, int frames, const CameraIntrinsics& camera);
+
+/// Makes a video of such a folder, with colours as cameras compress them, and its intrinsics beside
+/// it. Errors: `not_found` without ffmpeg; what ffmpeg says.
+Result<void> write_video(const std::filesystem::path& folder, const std::filesystem::path& video,
+                         int fps);
 
 }  // namespace pointreel::depth_scene

@@ -187,6 +187,12 @@ bool is_depth_folder(const fs::path& folder) {
   return false;
 }
 
+std::vector<fs::path> picture_folders(const fs::path& folder) {
+  std::vector<fs::path> folders = {folder / kDepth};
+  if (const fs::path colors = color_folder(folder); !colors.empty()) folders.push_back(colors);
+  return folders;
+}
+
 Result<std::shared_ptr<const Recording>> open_depth_folder(const fs::path& folder) {
   Pictures depth = TRY(list_pictures(folder / kDepth, true));
   if (depth.files.empty())

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "codec/formats/recording.h"
 #include "pointreel/error.h"
@@ -10,6 +11,9 @@ namespace pointreel {
 
 /// Whether a folder has pictures of depth, `depth/*.png`. It may have other files as well.
 bool is_depth_folder(const std::filesystem::path& folder);
+
+/// Where the pictures of such a folder are: those of depth, and those of colours if there are any.
+std::vector<std::filesystem::path> picture_folders(const std::filesystem::path& folder);
 
 /// Opens a folder as Open3D's tools and the TUM's data sets have it: `depth/*.png`, colours in
 /// `color`, `rgb` or `image` (PNG or JPEG) if there are any, and intrinsics (depth_capture.h). Each

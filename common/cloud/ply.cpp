@@ -13,7 +13,7 @@
 #include "common/base/concat.h"
 #include "common/base/parse_number.h"
 #include "common/base/try.h"
-#include "common/cloud/ply_cloud.h"
+#include "common/cloud/ply_cloud_builder.h"
 #include "common/cloud/ply_header.h"
 
 namespace pointreel {
@@ -77,7 +77,7 @@ class BinaryBody {
     return take_rows(element, min_row_size(element, PlyFormat::little_endian)).map([](auto) {});
   }
 
-  Result<void> read(const PlyElement& vertex, const PlyRoles& roles, PlyCloud& builder) {
+  Result<void> read(const PlyElement& vertex, const PlyRoles& roles, PlyCloudBuilder& builder) {
     if (has_lists(vertex)) return walk(vertex, &roles, &builder);
     const std::size_t row_size = min_row_size(vertex, PlyFormat::little_endian);
     const std::uint8_t* const rows = TRY(take_rows(vertex, row_size));
@@ -137,7 +137,7 @@ class BinaryBody {
   }
 
   /// Reads an element row by row and passes its values to `builder`, unless that is null.
-  Result<void> walk(const PlyElement& element, const PlyRoles* roles, PlyCloud* builder) {
+  Result<void> walk(const PlyElement& element, const PlyRoles* roles, PlyCloudBuilder* builder) {
     const std::vector<PlyRole> role_of = roles_by_property(element, roles);
     PlyBlock block;
     std::size_t filled = 0;
@@ -191,12 +191,12 @@ class AsciiBody {
 
   Result<void> skip(const PlyElement& element) { return walk(element, nullptr, nullptr); }
 
-  Result<void> read(const PlyElement& vertex, const PlyRoles& roles, PlyCloud& builder) {
+  Result<void> read(const PlyElement& vertex, const PlyRoles& roles, PlyCloudBuilder& builder) {
     return walk(vertex, &roles, &builder);
   }
 
  private:
-  Result<void> walk(const PlyElement& element, const PlyRoles* roles, PlyCloud* builder) {
+  Result<void> walk(const PlyElement& element, const PlyRoles* roles, PlyCloudBuilder* builder) {
     if (element.properties.empty()) return {};
     const std::vector<PlyRole> role_of = roles_by_property(element, roles);
     PlyBlock block;
@@ -279,7 +279,8 @@ Result<PointCloud> read_body(Body body, const PlyHeader& header, std::size_t dat
       const PlyRoles roles = TRY(assign_roles(element));
       // Plus one, because the last value of an ascii file needs no separator.
       const std::size_t rows = (data_size + 1) / min_row_size(element, header.format);
-      PlyCloud builder(element, roles, header.format, std::min<std::uint64_t>(element.count, rows));
+      PlyCloudBuilder builder(element, roles, header.format,
+                              std::min<std::uint64_t>(element.count, rows));
       TRY(body.read(element, roles, builder));
       cloud = builder.finish();
       if (unread != nullptr) *unread = names_of_unread(element, roles);

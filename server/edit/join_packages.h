@@ -27,9 +27,9 @@ struct JoinedPackages {
 };
 
 /// Makes one package of several, such as recordings of the same stream. Layer files are linked, or
-/// copied, as they are. Each package begins when the one before it is over: how long a pause was
-/// between two recordings, they do not say. The name is that of the first. Sound is where it was;
-/// splice_sound says how exactly.
+/// copied, as they are. Each package begins when the one before it is over: a pause between two
+/// recordings is left out. `captured_us` is that of the first. The name is that of the first. Sound
+/// is where it was; splice_sound says how exactly.
 ///
 /// Of a recording that still grows, what is there is taken.
 ///

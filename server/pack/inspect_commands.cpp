@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -127,7 +128,7 @@ void print_info(const Manifest& manifest, const Totals& totals) {
         counted(manifest.segments.size(), "segment"), manifest.up);
   if (manifest.captured_us) {
     const auto unix_seconds = static_cast<std::time_t>(*manifest.captured_us / 1'000'000);
-    print("  captured from {:%Y-%m-%d %H:%M:%S} UTC on\n", fmt::gmtime(unix_seconds));
+    print("  captured {:%Y-%m-%d %H:%M:%S} UTC\n", fmt::gmtime(unix_seconds));
   }
   print("  codec   {}{}{}, depth {}\n", manifest.codec, manifest.entropy.empty() ? "" : " ",
         manifest.entropy, span_text(manifest.depth_min, manifest.depth_max));

@@ -205,6 +205,10 @@ class Unpacking {
   /// Frames are decoded and compressed in parallel, and written in order. No more are under way
   /// than there are threads.
   Result<void> write_recording(const fs::path& folder, const InspectListener& listener) {
+    // Messages have seconds in 31 bits.
+    constexpr std::uint64_t kLatest = 2'000'000'000'000'000;
+    const std::uint64_t captured = manifest_.captured_us.value_or(0);
+    const std::uint64_t begin_us = captured < kLatest ? captured : 0;
     RecordingWriter recording(folder / kRecording);
     std::uint32_t next = 0;
     Result<void> written;
@@ -214,9 +218,8 @@ class Unpacking {
     };
     const auto make = [&](std::uint32_t frame) -> Result<RecordedFrame> {
       const PointCloud cloud = TRY(decode(frame));
-      const std::uint64_t time_us =
-          manifest_.captured_us.value_or(0) + frame_time_us(manifest_, frame);
-      return at_place(place(frame), record_frame(cloud, time_us));
+      return at_place(place(frame),
+                      record_frame(cloud, begin_us + frame_time_us(manifest_, frame)));
     };
     const auto write = [&](const Result<RecordedFrame>& frame) {
       if (!written) return;

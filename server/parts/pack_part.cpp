@@ -167,7 +167,8 @@ class PartPacker {
     if (recording_ == nullptr || *planned.index >= recording_->size())
       return fail(ErrorCode::argument,
                   planned.path.string() +
-                      ": has other frames than when the plan was made; make the plan again");
+                      ": no longer has the frames that it had when the plan was made; make the "
+                      "plan again");
     return recording_;
   }
 

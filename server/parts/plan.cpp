@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "codec/cloud_file.h"
+#include "codec/formats/depth_folder.h"
 #include "codec/sequence/package_folder.h"
 #include "common/base/output_folder.h"
 #include "common/base/print.h"
@@ -152,14 +153,19 @@ Result<std::uint64_t> bytes_of_source(const fs::path& path) {
   std::uint64_t bytes = 0;
   if (!fs::is_directory(path, error)) {
     if (!error) bytes = fs::file_size(path, error);
-  } else {
-    for (fs::recursive_directory_iterator it(path, error), end; !error && it != end;
-         it.increment(error)) {
-      if (it->is_regular_file(error)) bytes += it->file_size(error);
-      if (error) break;
-    }
+    if (error) return fail(ErrorCode::io, fmt::format("{}: {}", path.string(), error.message()));
+    return bytes;
   }
-  if (error) return fail(ErrorCode::io, fmt::format("{}: {}", path.string(), error.message()));
+  // The output may be in the same folder, and grows.
+  for (const fs::path& folder : picture_folders(path)) {
+    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+      std::error_code ignored;  // a dangling link is not read
+      if (!it->is_regular_file(ignored)) continue;
+      const std::uintmax_t size = it->file_size(ignored);
+      if (!ignored) bytes += size;
+    }
+    if (error) return fail(ErrorCode::io, fmt::format("{}: {}", folder.string(), error.message()));
+  }
   return bytes;
 }
 

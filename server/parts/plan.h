@@ -26,12 +26,12 @@ namespace pointreel {
 /// A source frame, as it was when the plan was made.
 struct PlannedFrame {
   std::filesystem::path path;                 ///< absolute
-  std::uint64_t bytes = 0;                    ///< of the file, or of all files in the folder
+  std::uint64_t bytes = 0;                    ///< of the file, or of a capture of depth
   std::optional<std::uint32_t> index;         ///< in the recording; none if the file has one frame
   std::optional<std::uint64_t> time_us = {};  ///< CloudFrame::time_us
 };
 
-/// The size of a file, or of all files in a folder and its folders. Errors begin with the path.
+/// The size of a file, or of all pictures of a capture of depth. Errors begin with the path.
 Result<std::uint64_t> bytes_of_source(const std::filesystem::path& path);
 
 /// What `plan.json` says.

@@ -36,7 +36,8 @@ constexpr std::size_t kMaxRefusal = 2048;
 /// A connection on which less moves than this, per second for so many seconds, is given up. The
 /// store's answer may take its time.
 constexpr long kLeastRate = 256, kPatience = 30;
-/// Only before larger contents it pays to ask first whether the store wants them.
+/// Contents up to this size are sent at once: asking first whether the store wants them pays only
+/// for larger ones.
 constexpr std::uint64_t kSentUnasked = std::uint64_t{1} << 20;
 /// The name of the header that holds the checksum.
 constexpr const char* kChecksumHeader = "x-amz-meta-xxh3";
@@ -330,7 +331,8 @@ Result<void> ObjectStore::put(const std::string& url, const ObjectContent& conte
     request.add("Cache-Control: " + headers.cache_control);
     request.add("Content-MD5: " + md5->base64());
     request.add(fmt::format("{}: {:016x}", kChecksumHeader, headers.checksum));
-    if (content.bytes() <= kSentUnasked) request.add("Expect:");  // libcurl's way to send none
+    // A header "Expect:" would be signed, though it is not sent, by libcurl before 8.3.
+    if (content.bytes() <= kSentUnasked) request.set(CURLOPT_EXPECT_100_TIMEOUT_MS, 1L);
     request.send(content);
     if (const auto failure = request.perform(access_)) return failure;
     if (const auto stored = md5_in(request.handle); stored && *stored != md5->hex())

@@ -29,9 +29,12 @@ namespace {
 
 /// Uploads at the same time.
 constexpr std::size_t kConnections = 4;
-/// After so many files in a row that the store does not have, it is not asked about the next ones:
-/// an upload that was interrupted lacks fewer before the last one that it has sent.
+/// After this many files in a row that the store lacks, it is no longer asked about short files
+/// that its manifest does not name. An interrupted upload leaves fewer gaps before the last file
+/// that it sent.
 constexpr std::size_t kMissesInARow = kConnections;
+/// Asking takes as long as sending a file of about this size from the same building.
+constexpr std::uint64_t kShort = std::uint64_t{1} << 20;
 /// What Amazon takes in one request.
 constexpr std::uint64_t kLargest = std::uint64_t{5} << 30;
 /// How often a recording is looked at. Its segments last a second.
@@ -138,11 +141,10 @@ class FileUploads {
     return error_ || next_ == files_->size() ? nullptr : (*files_)[next_++];
   }
 
-  /// Files go up in the order of the manifest, so an upload that was interrupted has left the first
-  /// ones. Asking costs as much time as sending a short file: where many are missing, this stops.
+  /// Files go up in the order of the manifest, so an interrupted upload has left the first ones.
   bool may_be_there(const PackageFile& file) {
     const std::lock_guard lock(mutex_);
-    return misses_ < kMissesInARow || named_.contains(file.path);
+    return file.bytes > kShort || misses_ < kMissesInARow || named_.contains(file.path);
   }
 
   Result<bool> is_there(ObjectStore& store, const std::string& url, const PackageFile& file) {

@@ -13,7 +13,6 @@
 #include "codec/cloud_file.h"
 #include "common/base/byte_io.h"
 #include "common/base/print.h"
-#include "common/base/run_program.h"
 #include "common/base/try.h"
 #include "common/base/write_file.h"
 #include "common/cloud/ply.h"
@@ -159,39 +158,6 @@ void write_depth_folder(const std::filesystem::path& folder, int frames) {
   }
 }
 
-/// The same as a video, with colours as cameras compress them. False if ffmpeg is not installed.
-bool write_depth_video(const std::filesystem::path& folder, const std::filesystem::path& video) {
-  std::filesystem::copy_file(folder / "intrinsic.json",
-                             std::filesystem::path(video).replace_extension(".json"));
-  const auto made = run_program({"ffmpeg",
-                                 "-loglevel",
-                                 "error",
-                                 "-framerate",
-                                 "30",
-                                 "-i",
-                                 (folder / "depth/%d.png").string(),
-                                 "-framerate",
-                                 "30",
-                                 "-i",
-                                 (folder / "color/%d.png").string(),
-                                 "-map",
-                                 "0",
-                                 "-map",
-                                 "1",
-                                 "-c:v:0",
-                                 "ffv1",
-                                 "-pix_fmt:v:0",
-                                 "gray16le",
-                                 "-c:v:1",
-                                 "mjpeg",
-                                 "-q:v:1",
-                                 "3",
-                                 "-pix_fmt:v:1",
-                                 "yuvj420p",
-                                 video.string()});
-  return made && made->exit_code == 0;
-}
-
 /// Reads all frames of a file, and counts their points.
 Result<std::size_t> read_points_of(const std::filesystem::path& path) {
   const CloudSequence sequence = TRY(list_cloud_frames({path}));
@@ -287,7 +253,7 @@ nlohmann::json run_files(const SuiteOptions& options) {
   const int frames = options.quick ? 3 : 10;
   write_depth_folder(folder / "depth", frames);
   inputs.push_back({"depth, PNG", folder / "depth"});
-  if (write_depth_video(folder / "depth", folder / "h.mkv"))
+  if (depth_scene::write_video(folder / "depth", folder / "h.mkv", 30))
     inputs.push_back({"depth, ffv1 and MJPEG", folder / "h.mkv"});
   for (const std::filesystem::path& file : options.files)
     inputs.push_back({file.filename().string(), file});

@@ -10,7 +10,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "common/base/run_program.h"
 #include "tests/depth_scene.h"
 #include "tests/e2e/picture.h"
 #include "tests/e2e/process.h"
@@ -35,35 +34,8 @@ class Depth : public testing::Test {
   std::string video() const { return (folder_ / "walk.mkv").string(); }
 
   void make_video() const {
-    const auto made = run_program({"ffmpeg",
-                                   "-loglevel",
-                                   "error",
-                                   "-framerate",
-                                   "10",
-                                   "-i",
-                                   capture() + "/depth/%d.png",
-                                   "-framerate",
-                                   "10",
-                                   "-i",
-                                   capture() + "/color/%d.png",
-                                   "-map",
-                                   "0",
-                                   "-map",
-                                   "1",
-                                   "-c:v:0",
-                                   "ffv1",
-                                   "-pix_fmt:v:0",
-                                   "gray16le",
-                                   "-c:v:1",
-                                   "mjpeg",
-                                   "-q:v:1",
-                                   "2",
-                                   "-pix_fmt:v:1",
-                                   "yuvj444p",
-                                   video()});
+    const auto made = depth_scene::write_video(capture(), video(), 10);
     ASSERT_TRUE(made) << made.error().message;
-    ASSERT_EQ(made->exit_code, 0) << made->out;
-    folder_.write("walk.json", depth_scene::intrinsics(depth_scene::camera(320)));
   }
 
   /// The red ball in a picture of the source, from where the camera was.

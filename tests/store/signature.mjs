@@ -13,7 +13,7 @@ function isSigned(from, secret) {
   const [, day, region, names, signature] = parts;
   const headers = names.split(";");
   // Everything that begins so has to be signed, and the host.
-  if (!headers.includes("host")) return false;
+  if (!headers.includes("host") || headers.some((name) => !(name in from.headers))) return false;
   if (Object.keys(from.headers).some((name) => name.startsWith("x-amz-") && !headers.includes(name))) return false;
   const canonical = [from.method, from.url, "", ...headers.map((name) => `${name}:${(from.headers[name] ?? "").trim()}`), "",
                      names, from.headers["x-amz-content-sha256"]].join("\n");

@@ -216,6 +216,14 @@ TEST_F(Parts, take_pictures_of_depth) {
   EXPECT_TRUE(contents(reel_) == expected);
   EXPECT_EQ(read_manifest(reel_)->up, 'y');
 
+  // The parts of an output in the capture are none of its files, and dangling links none at all.
+  fs::create_symlink("nowhere", capture / "depth/99.png");
+  PackOptions inside = one;
+  inside.output = capture / "reel";
+  ASSERT_TRUE(make_plan(inside, {}));
+  EXPECT_THAT(pack_part(*read_plan(inside.output), inside, {1, 1}, false)->failures,
+              testing::IsEmpty());
+
   fs::remove_all(reel_);
   make(one);
   fs::resize_file(capture / "depth/3.png", 10);

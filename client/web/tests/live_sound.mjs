@@ -1,7 +1,7 @@
 // node live_sound.mjs BUILD FOLDER: the sound of a live stream in the page. A sphere flashes each second, and with it
 // there is a click in a tone: both come together, at first, after the link has stalled, and after the server was started
-// again. Muted pages are sent no sound, and what is damaged is one line. WITHIN=20 asks for the 20 ms that hold on a machine
-// that does nothing else.
+// again. Muted pages are sent no sound, and what is damaged is one line. WITHIN=20 lowers the limit from 200 to 20 ms, for a
+// machine that does nothing else.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdirSync, writeFileSync } from "node:fs";

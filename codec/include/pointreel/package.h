@@ -113,7 +113,8 @@ struct Cleaning {
 /// The content of reel.json.
 struct Manifest : ReelHead {
   std::uint64_t duration_us = 0;  ///< of one pass, including the last frame's own duration
-  /// Unix time of time 0, by the clock of whoever captured it. Absent if that is not known.
+  /// Unix time of time 0, by the clock of the program that captured it. Absent if that is not
+  /// known.
   std::optional<std::uint64_t> captured_us;
   std::uint32_t depth_min = 0, depth_max = 0;
   Box bounds;  ///< of all frames; empty if no frame has a point

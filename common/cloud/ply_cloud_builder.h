@@ -39,17 +39,18 @@ using PlyRoles = std::array<int, kRoles>;
 /// Errors: `invalid` if x, y or z is missing.
 Result<PlyRoles> assign_roles(const PlyElement& vertex);
 
-/// The inverse: for each property, the value that it is read into, or kRoles if it is not read.
-/// `roles` may be null.
+/// The inverse of PlyRoles: for each property, the value that it is read into, or kRoles if it is
+/// not read. `roles` may be null.
 std::vector<PlyRole> roles_by_property(const PlyElement& element, const PlyRoles* roles);
 
-/// Collects blocks of rows in a cloud. Most files have positions in floats and colours in bytes,
-/// which become those of the cloud at once. Others wait for what all rows together tell: where the
-/// origin is, and which value is full brightness.
-class PlyCloud {
+/// Builds a cloud from blocks of rows. Positions in floats and colours in bytes, which most files
+/// have, go straight into the cloud. Others are kept until all rows are read: only then are the
+/// origin and the value of full brightness known.
+class PlyCloudBuilder {
  public:
-  /// Memory for `max_rows` rows is taken at once, so that they should be known to be there.
-  PlyCloud(const PlyElement& vertex, const PlyRoles& roles, PlyFormat format, std::size_t max_rows);
+  /// Reserves memory for `max_rows` rows: pass no more than the file can hold.
+  PlyCloudBuilder(const PlyElement& vertex, const PlyRoles& roles, PlyFormat format,
+                  std::size_t max_rows);
 
   void append(const PlyBlock& block, std::size_t rows);
   PointCloud finish();

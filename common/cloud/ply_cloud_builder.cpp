@@ -1,4 +1,4 @@
-#include "common/cloud/ply_cloud.h"
+#include "common/cloud/ply_cloud_builder.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,7 +55,8 @@ struct FullBrightness {
   double of_float = 1.0, of_uint16 = 65535.0;
 };
 
-/// Of eight bits. In ascii it may be any number; NaN becomes 0.
+/// Converts a colour component of eight bits to the range 0 to 65535. Ascii files may hold any
+/// number: it is clamped, and NaN becomes 0.
 std::uint16_t byte_color(double v) {
   return static_cast<std::uint16_t>(257 * static_cast<int>(std::min(std::max(0.0, v), 255.0)));
 }
@@ -147,8 +148,8 @@ std::vector<PlyRole> roles_by_property(const PlyElement& element, const PlyRoles
   return by_property;
 }
 
-PlyCloud::PlyCloud(const PlyElement& vertex, const PlyRoles& properties, PlyFormat format,
-                   std::size_t max_rows)
+PlyCloudBuilder::PlyCloudBuilder(const PlyElement& vertex, const PlyRoles& properties,
+                                 PlyFormat format, std::size_t max_rows)
     : has_normals_(properties[kNormal] >= 0),
       has_colors_(properties[kColor] >= 0),
       has_radii_(properties[kRadius] >= 0) {
@@ -178,7 +179,7 @@ PlyCloud::PlyCloud(const PlyElement& vertex, const PlyRoles& properties, PlyForm
   }
 }
 
-void PlyCloud::append(const PlyBlock& block, std::size_t rows) {
+void PlyCloudBuilder::append(const PlyBlock& block, std::size_t rows) {
   grow_box(block, rows);
   const auto vector_at = [&block](PlyRole role, std::size_t i) {
     return glm::dvec3(block[role][i], block[role + 1][i], block[role + 2][i]);
@@ -209,7 +210,7 @@ void PlyCloud::append(const PlyBlock& block, std::size_t rows) {
   }
 }
 
-PointCloud PlyCloud::finish() {
+PointCloud PlyCloudBuilder::finish() {
   if (has_colors_ && !byte_colors_) convert_colors();
   cloud_.origin = choose_origin();
   if (!float_positions_) {
@@ -222,7 +223,7 @@ PointCloud PlyCloud::finish() {
 }
 
 /// Only by points that floats can hold.
-void PlyCloud::grow_box(const PlyBlock& block, std::size_t rows) {
+void PlyCloudBuilder::grow_box(const PlyBlock& block, std::size_t rows) {
   bool in_range = true;
   for (std::size_t axis = 0; axis < 3; ++axis)
     in_range &= are_in_range(block[kPosition + axis], rows);
@@ -241,7 +242,7 @@ void PlyCloud::grow_box(const PlyBlock& block, std::size_t rows) {
   }
 }
 
-double PlyCloud::largest_color(bool (*of_type)(PlyType)) const {
+double PlyCloudBuilder::largest_color(bool (*of_type)(PlyType)) const {
   double largest = 0.0;
   for (const glm::vec3& color : colors_) {
     for (int channel = 0; channel < 3; ++channel) {
@@ -252,7 +253,7 @@ double PlyCloud::largest_color(bool (*of_type)(PlyType)) const {
   return largest;
 }
 
-void PlyCloud::convert_colors() {
+void PlyCloudBuilder::convert_colors() {
   FullBrightness full;
   const double largest_float = largest_color(is_float);
   if (largest_float > kLargestShare && largest_float < kLargestByte) full.of_float = 255.0;
@@ -268,7 +269,7 @@ void PlyCloud::convert_colors() {
   });
 }
 
-glm::dvec3 PlyCloud::choose_origin() const {
+glm::dvec3 PlyCloudBuilder::choose_origin() const {
   if (box_.empty()) return glm::dvec3(0.0);
   const glm::dvec3 reach = glm::max(glm::abs(box_.min), glm::abs(box_.max));
   const glm::dvec3 extent = box_.extent();

@@ -74,6 +74,14 @@ class LiveServerTest : public testing::TestWithParam<bool> {
   static bool say_hello(WebSocket& socket, std::uint8_t publisher = 1) {
     return send(socket, publisher_message(publisher));
   }
+  /// A publisher whose hello the relay has read, so that viewers find the stream "stage".
+  std::unique_ptr<WebSocket> stage_publisher() {
+    auto publisher = connected("/live/stage?publish");
+    if (!publisher || !say_hello(*publisher) ||
+        !wait_until([&] { return statistics().publishing; }))
+      return nullptr;
+    return publisher;
+  }
   /// Returns the next message in brief, or the reason why there is none.
   static std::string next(WebSocket& socket) {
     auto message = socket.receive(20s);
@@ -101,8 +109,8 @@ INSTANTIATE_TEST_SUITE_P(Transports, LiveServerTest, testing::Values(false, true
 TEST_P(LiveServerTest, chooses_the_subprotocol_that_browsers_offer) {
   if (GetParam()) GTEST_SKIP() << "the raw client has no TLS";
   start();
-  const auto publisher = connected("/live/stage?publish");
-  ASSERT_TRUE(publisher && say_hello(*publisher));
+  const auto publisher = stage_publisher();
+  ASSERT_TRUE(publisher);
   const auto answer = [&](const std::string& fields) {
     return RawHttpClient(server_->port()).get("/live/stage", kUpgrade + fields);
   };
@@ -118,9 +126,8 @@ TEST_P(LiveServerTest, chooses_the_subprotocol_that_browsers_offer) {
 
 TEST_P(LiveServerTest, forwards_a_stream_from_its_publisher_to_all_viewers) {
   start();
-  const auto publisher = connected("/live/stage?publish");
-  ASSERT_TRUE(publisher && say_hello(*publisher));
-  ASSERT_TRUE(wait_until([&] { return statistics().publishing; }));
+  const auto publisher = stage_publisher();
+  ASSERT_TRUE(publisher);
   std::vector<std::unique_ptr<WebSocket>> viewers;
   for (int i = 0; i < 3; ++i) {
     viewers.push_back(connected("/live/stage"));
@@ -144,9 +151,8 @@ TEST_P(LiveServerTest, forwards_a_stream_from_its_publisher_to_all_viewers) {
 
 TEST_P(LiveServerTest, tiny_messages_take_little_memory_while_they_wait) {
   start();
-  const auto publisher = connected("/live/stage?publish");
-  ASSERT_TRUE(publisher && say_hello(*publisher));
-  ASSERT_TRUE(wait_until([&] { return statistics().publishing; }));
+  const auto publisher = stage_publisher();
+  ASSERT_TRUE(publisher);
   const auto viewer = relay_.join("stage", [] {});
   ASSERT_TRUE(viewer);
   ASSERT_TRUE(send(*publisher, layer_message(0, 0)));
@@ -187,9 +193,8 @@ TEST_P(LiveServerTest, grants_viewing_and_publishing_by_token) {
 
 TEST_P(LiveServerTest, tells_a_publisher_why_its_connection_is_closed) {
   start();
-  const auto publisher = connected("/live/stage?publish");
-  ASSERT_TRUE(publisher && say_hello(*publisher));
-  ASSERT_TRUE(wait_until([&] { return statistics().publishing; }));
+  const auto publisher = stage_publisher();
+  ASSERT_TRUE(publisher);
   const auto second = connected("/live/stage?publish");
   ASSERT_TRUE(second && say_hello(*second, 2));
   EXPECT_THAT(next(*second), HasSubstr("stage"));
@@ -202,8 +207,8 @@ TEST_P(LiveServerTest, tells_a_publisher_why_its_connection_is_closed) {
 
 TEST_P(LiveServerTest, confirms_to_a_publisher_what_it_has_accepted) {
   start();
-  const auto publisher = connected("/live/stage?publish");
-  ASSERT_TRUE(publisher && say_hello(*publisher));
+  const auto publisher = stage_publisher();
+  ASSERT_TRUE(publisher);
   for (std::uint32_t frame = 0; frame < 50; ++frame) {
     ASSERT_TRUE(send(*publisher, layer_message(frame, 0, 1, frame == 3 ? 300'000 : 100)));
   }
@@ -249,9 +254,8 @@ TEST_P(LiveServerTest, limits_the_text_of_publishers) {
 TEST_P(LiveServerTest, never_lets_a_stalled_viewer_delay_others) {
   options_.stall_timeout = 60s;
   start();
-  const auto publisher = connected("/live/stage?publish");
-  ASSERT_TRUE(publisher && say_hello(*publisher));
-  ASSERT_TRUE(wait_until([&] { return statistics().publishing; }));
+  const auto publisher = stage_publisher();
+  ASSERT_TRUE(publisher);
   WebSocketOptions lazy;
   lazy.ca_file = certificate_.certificate;
   lazy.max_waiting = 1;
@@ -308,9 +312,8 @@ TEST_P(LiveServerTest, lets_no_page_of_another_origin_connect_unless_it_is_allow
   if (GetParam()) GTEST_SKIP() << "the transport makes no difference";
   options_.service.origins = Origins::parse({"https://allowed.example"}).value();
   start();
-  const auto publisher = connected("/live/stage?publish");
-  ASSERT_TRUE(publisher && say_hello(*publisher));
-  ASSERT_TRUE(wait_until([&] { return statistics().publishing; }));
+  const auto publisher = stage_publisher();
+  ASSERT_TRUE(publisher);
   const auto status = [&](const std::string& origin) {
     return RawHttpClient(server_->port())
         .get("/live/stage", kUpgrade + ("Origin: " + origin + "\r\n"))
@@ -428,9 +431,8 @@ TEST_P(LiveServerTest, survives_hostile_websocket_frames) {
 
 TEST_P(LiveServerTest, stops_at_once_with_open_sessions) {
   start();
-  const auto publisher = connected("/live/stage?publish");
-  ASSERT_TRUE(publisher && say_hello(*publisher));
-  ASSERT_TRUE(wait_until([&] { return statistics().publishing; }));
+  const auto publisher = stage_publisher();
+  ASSERT_TRUE(publisher);
   const auto viewer = connected("/live/stage");
   ASSERT_TRUE(viewer);
   EXPECT_EQ(next(*viewer), "hello");

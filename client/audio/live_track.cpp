@@ -6,6 +6,8 @@
 
 #include <opus/opus.h>
 
+#include "client/source/live_source.h"
+
 namespace pointreel {
 namespace {
 
@@ -18,9 +20,6 @@ constexpr std::int64_t kKept = 8 * kRate;
 constexpr std::int64_t kClose = kRate / 50;
 /// The longest gap that is filled with silence. After another, or a step back, all begins anew.
 constexpr std::int64_t kLongest = 4 * kRate;
-/// What a packet waits for besides the network: the device, whose buffer is of 60 ms, two hops of a
-/// grain, and the rounds of playback.
-constexpr std::int64_t kMargin = 110'000;
 /// How far the delay may be off before it is set, and how long it stays then.
 constexpr std::int64_t kMostDelayOff = 80'000;
 constexpr milliseconds kStays{1500};
@@ -87,8 +86,8 @@ void LiveTrack::add(const LiveSound& sound, std::uint64_t now_us) {
   if (std::abs(first - end_) < kClose) first = end_;
   place(first, {decoded_.data(), static_cast<std::size_t>(samples)});
   number_ = sound.number;
-  const std::int64_t came =
-      static_cast<std::int64_t>(now_us) - static_cast<std::int64_t>(sound.capture_us) + kMargin;
+  const std::int64_t came = static_cast<std::int64_t>(now_us) -
+                            static_cast<std::int64_t>(sound.capture_us) + kSoundLead.count();
   const bool known = clock_.has_value() || needed_us_ != 0;
   needed_us_ =
       known ? std::max(came,

@@ -15,6 +15,7 @@
 #include "common/http/http_client.h"
 #include "common/http/http_folder.h"
 #include "common/stream/live.h"
+#include "common/stream/live_sound.h"
 #include "pointreel/package.h"
 
 namespace pointreel {
@@ -31,6 +32,8 @@ constexpr std::chrono::seconds kTooLate{2};
 /// The most frames, and bytes, that wait to be shown; beyond that the oldest are dropped.
 constexpr std::size_t kMostWaiting = 512;
 constexpr std::uint64_t kMostWaitingBytes = 256u << 20;
+/// Pictures wait for sound that comes this much later, in microseconds, but for no later one.
+constexpr std::uint64_t kMostSoundLag = 500'000;
 /// How many segments must come in less than half of their length before another layer is tried.
 constexpr int kQuickBeforeMore = 4;
 
@@ -83,7 +86,10 @@ class LayerBudget {
 class HttpLiveSource : public LiveSource {
  public:
   HttpLiveSource(HttpFolder folder, const SourceOptions& options)
-      : folder_(std::move(folder)), on_trouble_(options.on_trouble), client_(options) {
+      : folder_(std::move(folder)),
+        with_sound_(options.sound),
+        on_trouble_(options.on_trouble),
+        client_(options) {
     fetcher_ = std::thread([this] { fetch(); });
     pacer_ = std::thread([this] { pace(); });
   }
@@ -98,6 +104,11 @@ class HttpLiveSource : public LiveSource {
   }
   std::optional<LiveFrame> next(milliseconds timeout) override { return assembler_.next(timeout); }
   LiveCounts counts() const override { return assembler_.counts(); }
+
+  void set_on_sound(OnSound on_sound) override {
+    const std::lock_guard lock(sound_mutex_);
+    on_sound_ = std::move(on_sound);
+  }
 
   std::optional<std::string> trouble() const override {
     if (auto link = client_.trouble()) return link;
@@ -184,6 +195,11 @@ class HttpLiveSource : public LiveSource {
       if (file.bytes > kMostWaitingBytes) return false;
       if (file.bytes > 0) ranges.push_back({folder_.file(file.path), 0, file.bytes, file.bytes});
     }
+    const bool with_sound = with_sound_ && segment.sound && segment.sound->bytes > 0;
+    if (with_sound) {
+      const PackageFile& file = *segment.sound;
+      ranges.push_back({folder_.file(file.path), 0, file.bytes, file.bytes});
+    }
     auto files = client_.get_ranges(ranges, stop_.get_token());
     // It is not requested again even if it failed: a cache may have dropped it, and there are newer
     // segments.
@@ -196,11 +212,32 @@ class HttpLiveSource : public LiveSource {
     // After the connection was lost for a while a segment is outdated when it comes, and does not
     // tell how long the next ones will take.
     if (now - begin > std::max<std::chrono::microseconds>(kTooLate, 4 * length)) return false;
-    pacing_.arrived(manifest.live->start_us + segment.times_us.front(), now);
+    std::uint64_t begin_us = manifest.live->start_us + segment.times_us.front();
+    if (with_sound) begin_us = play_sound(*segment.sound, files->back(), begin_us);
+    pacing_.arrived(begin_us, now);
     cut_up(manifest, segment,
            {std::make_move_iterator(files->begin()), std::make_move_iterator(files->end())},
            shown_us);
     return true;
+  }
+
+  /// Passes the packets of a segment on whose first frame was captured at `begin_us`. Returns when
+  /// it would have been captured to be shown in time for them, if pictures without sound are shown
+  /// as soon as they come: sound may come later than its picture, and has to come before it is
+  /// heard.
+  std::uint64_t play_sound(const PackageFile& file, const SharedBytes& bytes,
+                           std::uint64_t begin_us) {
+    const auto sounds = parse_live_sound_file(bytes.view());
+    if (!sounds || checksum_of(bytes.view()) != file.checksum) {
+      assembler_.add_bad();
+      return begin_us;
+    }
+    const std::lock_guard lock(sound_mutex_);
+    if (!on_sound_ || sounds->empty()) return begin_us;
+    for (const LiveSound& sound : *sounds) on_sound_(sound);
+    const std::uint64_t first_us = std::min(begin_us, sounds->front().capture_us);
+    return std::max(first_us, begin_us - std::min(begin_us, kMostSoundLag)) -
+           static_cast<std::uint64_t>(kSoundLead.count());
   }
 
   /// Queues the frames of a segment's files that were captured after `shown_us`.
@@ -281,6 +318,7 @@ class HttpLiveSource : public LiveSource {
   }
 
   const HttpFolder folder_;
+  const bool with_sound_;
   const std::function<void(const std::optional<std::string>&)> on_trouble_;
   HttpClient client_;
   LiveAssembler assembler_;
@@ -293,7 +331,10 @@ class HttpLiveSource : public LiveSource {
   LivePacing pacing_;
   LayerBudget budget_;
 
-  mutable std::mutex mutex_;
+  std::mutex sound_mutex_;
+  OnSound on_sound_;
+
+  mutable std::mutex mutex_;  ///< guards what follows
   std::condition_variable changed_;
   std::optional<std::string> trouble_;
   std::deque<WaitingFrame> waiting_;

@@ -13,6 +13,10 @@
 
 namespace pointreel {
 
+/// How long before it is heard sound should have come: the buffer of a sound card, two hops of a
+/// grain, and the rounds of playback.
+inline constexpr std::chrono::microseconds kSoundLead{110'000};
+
 /// Frames as they are captured. A thread of its own keeps up the connection, and makes it again
 /// whenever it breaks, for as long as the object lives. All functions may be called from any
 /// thread.
@@ -34,9 +38,9 @@ class LiveSource {
   virtual std::optional<LiveFrame> next(std::chrono::milliseconds timeout) = 0;
 
   /// Called with each packet of sound from now on, by the source's thread: it must not block. None
-  /// comes without SourceOptions::sound, and HTTP carries no sound.
+  /// comes without SourceOptions::sound.
   using OnSound = std::function<void(const LiveSound& sound)>;
-  virtual void set_on_sound(OnSound /*on_sound*/) {}
+  virtual void set_on_sound(OnSound on_sound) = 0;
 
   /// One line while nothing comes because the link or the publisher is down.
   virtual std::optional<std::string> trouble() const = 0;

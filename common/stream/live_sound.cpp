@@ -2,6 +2,7 @@
 
 #include "common/base/byte_io.h"
 #include "common/base/concat.h"
+#include "common/base/try.h"
 #include "common/stream/header_checksum.h"
 #include "common/stream/reel_rules.h"
 #include "pointreel/package.h"
@@ -53,6 +54,26 @@ Result<LiveSound> parse_live_sound(ByteView message) {
   if (sound.packet.size() > kMaxSoundPacket)
     return fail(ErrorCode::limit, concat("sound: has more than ", kMaxSoundPacket, " bytes"));
   return sound;
+}
+
+void append_live_sound(std::string& file, ByteView message) {
+  Bytes size;
+  ByteWriter(size).put(static_cast<std::uint16_t>(message.size()));
+  file.append(size.begin(), size.end());
+  file.append(message.begin(), message.end());
+}
+
+Result<std::vector<LiveSound>> parse_live_sound_file(ByteView file) {
+  std::vector<LiveSound> sounds;
+  while (!file.empty()) {
+    ByteReader in(file);
+    const auto size = in.get<std::uint16_t>();
+    const ByteView rest = in.rest();
+    if (!in.ok() || size > rest.size()) return fail("sound: its file ends within a message");
+    sounds.push_back(TRY(parse_live_sound(rest.first(size))));
+    file = rest.subspan(size);
+  }
+  return sounds;
 }
 
 }  // namespace pointreel

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
@@ -31,5 +33,11 @@ Bytes write_live_sound(const LiveSound& sound);
 /// `packet` of the result points into the message. Errors: `limit` for more than kMaxSoundPacket
 /// bytes, otherwise `invalid`.
 Result<LiveSound> parse_live_sound(ByteView message);
+
+/// Over HTTP, packets come in a file for each segment: PROTOCOL.md, "Live over HTTP". Adds a
+/// message to such a file.
+void append_live_sound(std::string& file, ByteView message);
+/// Packets point into the file. Errors: as parse_live_sound.
+Result<std::vector<LiveSound>> parse_live_sound_file(ByteView file);
 
 }  // namespace pointreel

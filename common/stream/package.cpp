@@ -11,12 +11,19 @@ std::uint32_t Manifest::frame_count() const {
   return segments.empty() ? 0 : segments.back().first_frame + segments.back().frame_count();
 }
 
+std::vector<const PackageFile*> Segment::files() const {
+  std::vector<const PackageFile*> files;
+  for (const LayerFile& layer : layers) files.push_back(&layer);
+  if (sound) files.push_back(&*sound);
+  return files;
+}
+
 std::vector<const PackageFile*> Manifest::files() const {
   std::vector<const PackageFile*> files;
   if (tables) files.push_back(&*tables);
   if (audio) files.push_back(&*audio);
   for (const Segment& segment : segments) {
-    for (const LayerFile& file : segment.layers) files.push_back(&file);
+    for (const PackageFile* file : segment.files()) files.push_back(file);
   }
   return files;
 }

@@ -119,6 +119,9 @@ Result<Segment> parse_segment(const JsonValue& object) {
     const std::string place = concat("files[", segment.layers.size(), "]");
     segment.layers.push_back(TRY(at_place(place, parse_layer(item.value()))));
   }
+  if (fields.has("sound")) {
+    segment.sound = TRY(at_place("sound", parse_file(*fields.value("sound"))));
+  }
   return segment;
 }
 

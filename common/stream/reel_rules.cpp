@@ -221,9 +221,14 @@ Result<void> check_manifest(const Manifest& manifest) {
     if (frames > kMaxFrames) {
       return fail_at(place, {"a reel has fewer than 2^32 frames", ErrorCode::limit});
     }
-    for (const LayerFile& file : segment.layers) {
-      if (!paths.insert(file.path).second) {
-        return fail_at(place, {concat("\"", file.path, "\" is used twice")});
+    if (segment.sound) {
+      const std::string of_sound = concat(place, ".sound");
+      if (!manifest.live) return fail_at(of_sound, {"belongs to live streams alone"});
+      TRY(at_place(of_sound, check_file(*segment.sound, kMaxSegmentSoundBytes)));
+    }
+    for (const PackageFile* file : segment.files()) {
+      if (!paths.insert(file->path).second) {
+        return fail_at(place, {concat("\"", file->path, "\" is used twice")});
       }
     }
     last_time = segment.times_us.back();

@@ -30,11 +30,14 @@ ordered_json to_json(const LayerFile& file) {
 ordered_json to_json(const Segment& segment) {
   ordered_json files = ordered_json::array();
   for (const LayerFile& file : segment.layers) files.push_back(to_json(file));
-  return {{"first_frame", segment.first_frame},
-          {"cube", {{"origin", vector_json(segment.cube.origin)}, {"edge", segment.cube.edge}}},
-          {"times_us", segment.times_us},
-          {"points", segment.points},
-          {"files", std::move(files)}};
+  ordered_json whole = {
+      {"first_frame", segment.first_frame},
+      {"cube", {{"origin", vector_json(segment.cube.origin)}, {"edge", segment.cube.edge}}},
+      {"times_us", segment.times_us},
+      {"points", segment.points},
+      {"files", std::move(files)}};
+  if (segment.sound) whole["sound"] = to_json(*segment.sound);
+  return whole;
 }
 
 }  // namespace

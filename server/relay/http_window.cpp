@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/stream/layer_file_name.h"
 #include "common/stream/manifest.h"
 
 namespace pointreel {
@@ -10,7 +11,7 @@ namespace {
 
 std::uint64_t bytes_of(const LiveSegment& segment) {
   std::uint64_t bytes = 0;
-  for (const LayerFile& file : segment.entry.layers) bytes += file.bytes;
+  for (const PackageFile* file : segment.entry.files()) bytes += file->bytes;
   return bytes;
 }
 
@@ -21,9 +22,8 @@ std::uint64_t bytes_of(const std::deque<LiveSegment>& segments) {
 }
 
 bool names(const LiveSegment& segment, const std::string& path) {
-  const auto& files = segment.entry.layers;
-  return std::any_of(files.begin(), files.end(),
-                     [&](const LayerFile& file) { return file.path == path; });
+  return std::ranges::any_of(segment.entry.files(),
+                             [&](const PackageFile* file) { return file->path == path; });
 }
 
 }  // namespace
@@ -32,13 +32,14 @@ HttpWindow::~HttpWindow() {
   output_.remove(kManifestName);
   retire(segments_.size());
   for (const Old& old : old_)
-    for (const LayerFile& file : old.segment.entry.layers) output_.remove(file.path);
+    for (const PackageFile* file : old.segment.entry.files()) output_.remove(file->path);
 }
 
 void HttpWindow::hello(const LiveHello& hello) {
   if (greeted_ && !go_together(hello_, hello)) {
     segmenter_.flush();
     retire(segments_.size());  // the manifest names them until there is one of the new session
+    sound_.clear();
   }
   segmenter_.begin(hello);
   hello_ = hello;
@@ -48,6 +49,12 @@ void HttpWindow::hello(const LiveHello& hello) {
 
 void HttpWindow::layer(const LiveLayer& layer, const LiveMessage&) {
   if (auto segment = segmenter_.add(layer)) append(std::move(*segment));
+}
+
+void HttpWindow::sound(const LiveSound&, const LiveMessage& message) {
+  // While no segment ends, sound has no pictures to be heard with.
+  if (sound_.size() + message.bytes->size() + 2 > kMaxSegmentSoundBytes) sound_.clear();
+  append_live_sound(sound_, *message.bytes);
 }
 
 void HttpWindow::end() {
@@ -65,6 +72,13 @@ void HttpWindow::append(LiveSegment segment) {
     output_.put(segment.entry.layers[i].path, std::move(segment.files[i]), true);
   }
   segment.files.clear();
+  if (!sound_.empty()) {
+    const std::uint64_t checksum =
+        checksum_of({reinterpret_cast<const std::uint8_t*>(sound_.data()), sound_.size()});
+    segment.entry.sound = PackageFile{layer_file_name(segment.entry.first_frame, "sound", checksum),
+                                      sound_.size(), checksum};
+    output_.put(segment.entry.sound->path, std::exchange(sound_, {}), true);
+  }
   segments_.push_back(std::move(segment));
   ++appended_;
   while (segments_.size() > 1 &&
@@ -91,8 +105,8 @@ void HttpWindow::remove_old() {
     const LiveSegment segment = std::move(old_.front().segment);
     old_.pop_front();
     bytes -= bytes_of(segment);
-    for (const LayerFile& file : segment.entry.layers)
-      if (!is_kept(file.path)) output_.remove(file.path);
+    for (const PackageFile* file : segment.entry.files())
+      if (!is_kept(file->path)) output_.remove(file->path);
   }
 }
 

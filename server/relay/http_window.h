@@ -36,6 +36,7 @@ class HttpWindow : public LiveSink {
 
   void hello(const LiveHello& hello) override;
   void layer(const LiveLayer& layer, const LiveMessage& message) override;
+  void sound(const LiveSound& sound, const LiveMessage& message) override;
   void end() override;
 
  private:
@@ -62,6 +63,7 @@ class HttpWindow : public LiveSink {
   std::deque<LiveSegment> segments_;  ///< in the manifest
   std::deque<Old> old_;
   std::uint64_t appended_ = 0;
+  std::string sound_;  ///< what came since the newest segment, as a file
 };
 
 }  // namespace pointreel

@@ -18,6 +18,7 @@
 /// would not get past it.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace pointreel;
+  (void)parse_live_sound_file({data, size});
   LiveTrack track;
   ByteView rest(data, size);
   while (rest.size() > 2) {

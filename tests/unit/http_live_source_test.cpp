@@ -4,6 +4,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -12,6 +13,7 @@
 #include "client/source/live_pacing.h"
 #include "client/source/open_live_source.h"
 #include "common/stream/live.h"
+#include "common/stream/live_sound.h"
 #include "common/stream/manifest.h"
 #include "pointreel/package.h"
 #include "tests/unit/scripted_http_server.h"
@@ -50,8 +52,9 @@ class Stage {
     manifest_.live = LiveManifest{session, 0, start_us, false};
   }
 
-  /// Publishes a segment. The manifest lists the newest two.
-  void publish_segment() {
+  /// Publishes a segment. The manifest lists the newest two. `sound` is the file of its sound, if
+  /// it has any, which may be served with its last byte damaged.
+  void publish_segment(const std::string& sound = "", bool damaged = false) {
     const std::lock_guard lock(mutex_);
     const std::uint32_t first = frames_of(manifest_);
     Segment segment;
@@ -71,6 +74,13 @@ class Stage {
       file.frames.assign(2, {size - 1, 1, 0});
       files_[file.path] = content;
       segment.layers.push_back(std::move(file));
+    }
+    if (!sound.empty()) {
+      segment.sound = PackageFile{
+          fmt::format("{}.sound.prs", manifest_.live->first_frame + first), sound.size(),
+          checksum_of({reinterpret_cast<const std::uint8_t*>(sound.data()), sound.size()})};
+      files_[segment.sound->path] = sound;
+      if (damaged) files_[segment.sound->path].back() ^= 1;
     }
     const std::uint64_t begin = first * 10'000ull;
     segment.times_us = {begin, begin + 10'000};
@@ -96,7 +106,7 @@ class Stage {
     ++version_;
   }
 
-  std::atomic<int> not_modified{0};
+  std::atomic<int> not_modified{0}, sounds_served{0};
   std::atomic<bool> gone{false};
 
  private:
@@ -115,6 +125,7 @@ class Stage {
     } else if (name == "reel.json") {
       answer(socket, "200 OK", "ETag: " + tag + "\r\n", write_manifest(manifest_));
     } else if (files_.contains(name)) {
+      if (name.ends_with(".sound.prs")) ++sounds_served;
       answer(socket, "200 OK", "", files_[name]);
     } else {
       answer(socket, "404 Not Found", "", "gone");
@@ -129,8 +140,9 @@ class Stage {
   ScriptedHttpServer server_;
 };
 
-std::unique_ptr<LiveSource> open(const std::string& url) {
+std::unique_ptr<LiveSource> open(const std::string& url, bool sound = false) {
   SourceOptions options;
+  options.sound = sound;
   options.first_backoff = std::chrono::milliseconds(1);
   auto source = open_live_source(url, options);
   EXPECT_TRUE(source) << source.error().message;
@@ -166,6 +178,44 @@ TEST(HttpLiveSource, gives_the_frames_of_segments_as_they_are_listed) {
   EXPECT_GT(later->number, frame->number);
   EXPECT_EQ(later->capture_us, 5'070'000u);
   EXPECT_EQ(later->frame.layers[0].bytes, Bytes(4, 7));
+}
+
+/// A file with one packet.
+std::string sound_file(std::uint32_t number) {
+  const Bytes packet{1, 2, 3};
+  std::string file;
+  append_live_sound(file, write_live_sound({number, 5'000'000 + 20'000u * number, 960, packet}));
+  return file;
+}
+
+TEST(HttpLiveSource, gives_the_sound_of_segments_to_who_asks_for_it) {
+  Stage stage;
+  const auto source = open(stage.url(), true);
+  std::mutex mutex;
+  std::vector<std::uint32_t> heard;
+  source->set_on_sound([&](const LiveSound& sound) {
+    const std::lock_guard lock(mutex);
+    heard.push_back(sound.number);
+  });
+  stage.publish_segment(sound_file(0));
+  ASSERT_TRUE(await(*source, 1));
+  EXPECT_EQ(source->counts().bad, 0u);
+  // What is damaged is silence, and its pictures are shown.
+  stage.publish_segment(sound_file(1), true);
+  ASSERT_TRUE(await(*source, 3));
+  EXPECT_EQ(source->counts().bad, 1u);
+  stage.publish_segment(sound_file(2));
+  ASSERT_TRUE(await(*source, 5));
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(heard, (std::vector<std::uint32_t>{0, 2}));
+}
+
+TEST(HttpLiveSource, fetches_no_sound_that_nobody_asks_for) {
+  Stage stage;
+  stage.publish_segment(sound_file(0));
+  const auto source = open(stage.url());
+  ASSERT_TRUE(await(*source, 1));
+  EXPECT_EQ(stage.sounds_served, 0);
 }
 
 TEST(HttpLiveSource, continues_the_frame_numbers_when_the_server_restarts_its_own) {

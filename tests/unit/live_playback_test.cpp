@@ -70,6 +70,7 @@ class FakeLiveSource : public LiveSource {
     frames_.pop_front();
     return frame;
   }
+  void set_on_sound(OnSound) override {}
   std::optional<std::string> trouble() const override { return std::nullopt; }
   LiveCounts counts() const override { return {}; }
   void cancel() override {

@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/stream/live_sound.h"
 #include "common/stream/manifest.h"
 #include "common/stream/reel_rules.h"
 #include "pointreel/chunks.h"
@@ -326,6 +327,49 @@ TEST(HttpWindow, keeps_files_of_recent_manifests_within_bounded_memory) {
   give_frames(window, 31, 300);
   EXPECT_LE(out.files.size(), 1u + 2 * 3 * 3) << "at most twice the manifest's segments";
   EXPECT_THAT(out.changed, IsEmpty()) << "a file never changes under its name";
+}
+
+TEST(HttpWindow, has_the_sound_that_came_during_each_segment) {
+  Files out;
+  HttpWindow window(out.output(), small_window());
+  window.hello(real_hello());
+  const auto give_sound = [&](std::uint32_t number, std::size_t size = 3) {
+    const Bytes packet(size, 1);
+    LiveSound sound{number, kStart, 960, packet};
+    const auto bytes = std::make_shared<const Bytes>(write_live_sound(sound));
+    window.sound(sound, {LiveMessage::Kind::binary, bytes});
+  };
+  const auto numbers = [&](const Segment& segment) {
+    std::vector<std::uint32_t> numbers;
+    const std::string& text = out.files.at(segment.sound.value().path);
+    const Bytes file(text.begin(), text.end());
+    const auto sounds = parse_live_sound_file(file).value();
+    for (const LiveSound& sound : sounds) numbers.push_back(sound.number);
+    return numbers;
+  };
+  give_sound(0);
+  give_frames(window, 0, 3);
+  give_sound(1);
+  give_frames(window, 3, 8);
+  give_sound(2);
+  window.end();
+  const Manifest manifest = out.manifest();
+  EXPECT_TRUE(out.whole(manifest));
+  ASSERT_EQ(manifest.segments.size(), 3u);
+  EXPECT_EQ(numbers(manifest.segments[0]), (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_FALSE(manifest.segments[1].sound);
+  EXPECT_EQ(numbers(manifest.segments[2]), (std::vector<std::uint32_t>{2}));
+
+  // While no frame comes, sound takes no more memory than a file may.
+  window.hello(real_hello());
+  for (std::uint32_t i = 0; i < 1000; ++i) give_sound(i, 2000);
+  give_frames(window, 11, 30);
+  window.end();
+  const Manifest later = out.manifest();
+  EXPECT_TRUE(out.whole(later));
+  EXPECT_EQ(out.changed, std::vector<std::string>());
+  give_frames(window, 41, 50);
+  EXPECT_LE(out.files.size(), 1u + 2 * 3 * 3) << "files of sound go with their segments";
 }
 
 TEST(HttpWindow, reports_that_the_publisher_has_left_and_resumes_when_it_returns) {

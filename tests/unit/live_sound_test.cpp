@@ -90,6 +90,21 @@ TEST(LiveSound, each_lie_is_an_error) {
   EXPECT_THAT(error_of({0, 1, kSamples, Bytes(kMaxSoundPacket + 1)}), HasSubstr("more than 4096"));
 }
 
+TEST(LiveSound, a_file_has_the_packets_of_its_messages) {
+  std::string file;
+  for (const std::uint32_t number : {7u, 8u}) append_live_sound(file, *sound_message(number).bytes);
+  const Bytes bytes(file.begin(), file.end());
+  const auto sounds = parse_live_sound_file(bytes);
+  ASSERT_TRUE(sounds);
+  ASSERT_EQ(sounds->size(), 2u);
+  EXPECT_EQ((*sounds)[1].number, 8u);
+  EXPECT_EQ(Bytes((*sounds)[1].packet.begin(), (*sounds)[1].packet.end()), Bytes({1, 2, 3}));
+  EXPECT_TRUE(parse_live_sound_file({})->empty());
+  const std::size_t message = bytes.size() / 2;
+  for (std::size_t size = 1; size < bytes.size(); ++size)
+    EXPECT_EQ(parse_live_sound_file(ByteView(bytes).first(size)).has_value(), size == message);
+}
+
 TEST(LiveSound, goes_before_layers_and_waits_no_longer_than_a_second) {
   LiveQueue queue;
   queue.push(0, 0, 1, layer_message(0, 0, 1));

@@ -373,6 +373,27 @@ TEST(Manifest, states_its_position_in_a_live_stream) {
   }
 }
 
+TEST(Manifest, names_the_sound_of_segments_in_live_streams_alone) {
+  Manifest m = example();
+  m.live = LiveManifest{};
+  m.segments[1].sound = PackageFile{"1.sound.prs", 500, 0xfedcba9876543210};
+  const Manifest read = parse_manifest(write_manifest(m)).value();
+  EXPECT_FALSE(read.segments[0].sound);
+  ASSERT_TRUE(read.segments[1].sound);
+  EXPECT_EQ(read.segments[1].sound->path, "1.sound.prs");
+  EXPECT_EQ(read.segments[1].sound->bytes, 500u);
+  EXPECT_EQ(read.segments[1].sound->checksum, 0xfedcba9876543210);
+  EXPECT_EQ(read.files().back()->path, "1.sound.prs");
+
+  m.live.reset();
+  EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("segments[1].sound: belongs to live streams"));
+  m.live = LiveManifest{};
+  m.segments[1].sound->bytes = kMaxSegmentSoundBytes + 1;
+  EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("segments[1].sound"));
+  m.segments[1].sound = m.segments[0].layers[0];
+  EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("used twice"));
+}
+
 TEST(Manifest, is_the_same_if_written_segment_by_segment) {
   const Manifest m = example();
   std::vector<std::string> lines;

@@ -47,13 +47,19 @@ TEST_F(SoundWindow, a_reel_is_heard_with_its_pictures) {
   EXPECT_EQ(player().err(), "");
 }
 
-TEST_F(SoundWindow, a_live_stream_is_heard_with_the_delay_of_its_pictures) {
+/// Of a stream, over WebSocket ("ws") or over HTTP ("http").
+class LiveSoundWindow : public SoundWindow, public testing::WithParamInterface<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(Over, LiveSoundWindow, testing::Values("ws", "http"),
+                         [](const auto& scheme) { return std::string(scheme.param); });
+
+TEST_P(LiveSoundWindow, is_heard_with_the_delay_of_its_pictures) {
   e2e::Background server("pointreel-server", {"serve", "--live", "--listen", "127.0.0.1:0"});
-  const std::string address = "ws://" + e2e::server_address(server) + "/live/plate";
+  const std::string place = "://" + e2e::server_address(server) + "/live/plate";
   const e2e::Background publisher("pointreel-server",
                                   {"publish", "-i", plate().ply(0).parent_path().string(), "--loop",
-                                   "--audio", (folder_ / "a.wav").string(), "--to", address});
-  open_sources({address, "--audio-device", "null"});
+                                   "--audio", (folder_ / "a.wav").string(), "--to", "ws" + place});
+  open_sources({GetParam() + place, "--audio-device", "null"});
   EXPECT_TRUE(wait_for_next_frame());
   EXPECT_TRUE(wait_for_next_frame());
   const auto audio = quit()["window"]["audio"];

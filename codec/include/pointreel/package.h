@@ -49,6 +49,9 @@ struct AudioFile : PackageFile {
   std::uint64_t samples = 0;  ///< of each channel, at least 1
 };
 
+/// The largest file of a segment's sound that readers accept, in bytes.
+inline constexpr std::uint64_t kMaxSegmentSoundBytes = 1u << 20;
+
 /// A group of consecutive frames that share one cube. The cube in a frame's header is
 /// authoritative: where each frame has its own, this is a cube that contains them all.
 struct Segment {
@@ -57,8 +60,11 @@ struct Segment {
   std::vector<std::uint64_t> times_us;  ///< each frame's presentation time from the reel's start
   std::vector<std::uint32_t> points;    ///< each frame's number of points before encoding
   std::vector<LayerFile> layers;        ///< base first; as many as Manifest::layer_names
+  /// Of a live stream: the packets of sound that came since the segment before.
+  std::optional<PackageFile> sound;
 
   std::uint32_t frame_count() const { return static_cast<std::uint32_t>(times_us.size()); }
+  std::vector<const PackageFile*> files() const;
 };
 
 /// For a manifest that grows while its frames are captured. It may hold only the newest frames of a
@@ -131,7 +137,7 @@ struct Manifest : ReelHead {
   std::vector<Segment> segments;
 
   std::uint32_t frame_count() const;
-  /// All files that the manifest names: tables, sound, then layer files, segment by segment.
+  /// All files that the manifest names: tables, sound, then those of each segment.
   std::vector<const PackageFile*> files() const;
 };
 

@@ -40,6 +40,7 @@ Result<void> keep_commonest_format(const fs::path& folder, std::vector<fs::path>
   const auto most =
       std::max_element(by_format.begin(), by_format.end(),
                        [&](const auto& a, const auto& b) { return weight(a) < weight(b); });
+  const std::string kept = most->second.front().filename().string();
   for (const auto& other : by_format) {
     if (&other == &*most) continue;
     const std::string first = other.second.front().filename().string();
@@ -48,17 +49,16 @@ Result<void> keep_commonest_format(const fs::path& folder, std::vector<fs::path>
           ErrorCode::argument,
           fmt::format("{0}: has as many files like {1} as like {2}; name those that are the "
                       "frames, such as {0}/*{3}",
-                      folder.string(), most->second.front().filename().string(), first,
-                      most->second.front().extension().string()));
+                      folder.string(), kept, first, most->second.front().extension().string()));
     }
     if (warnings == nullptr) continue;
     const std::size_t count = other.second.size();
     warnings->push_back(
-        count == 1 ? fmt::format("{}: is left out, because most files here have another format",
-                                 other.second.front().string())
-                   : fmt::format("{}: {} files such as {} are left out, because most files here "
-                                 "have another format",
-                                 folder.string(), count, first));
+        count == 1 ? fmt::format("{}: is left out, because the frames here are files such as {}",
+                                 other.second.front().string(), kept)
+                   : fmt::format("{}: {} files such as {} are left out, because the frames here "
+                                 "are files such as {}",
+                                 folder.string(), count, first, kept));
   }
   files = std::move(most->second);
   return {};

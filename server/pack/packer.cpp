@@ -12,12 +12,12 @@
 #include "common/base/output_folder.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
-#include "common/cloud/scalar_fields.h"
 #include "common/stream/manifest.h"
 #include "pointreel/codec.h"
 #include "pointreel/package.h"
 #include "server/pack/append_manifest.h"
 #include "server/pack/audio.h"
+#include "server/pack/begin_manifest.h"
 #include "server/pack/cleaning.h"
 #include "server/pack/in_arena.h"
 #include "server/pack/pack_segment.h"
@@ -42,20 +42,14 @@ class Packer {
         files_(sequence_.frames) {
     if (options_.name.empty()) options_.name = default_reel_name(options.output);
     if (options_.up_of_files) options_.up = up_of_frame(files_.front()).value_or(options_.up);
-    const bool recorded = options_.times_of_files && !sequence_.times_us.empty();
-    if (recorded) {
-      options_.fps = std::clamp(sequence_.fps, kMinFps, kMaxFps);
-      summary_.recorded_fps = options_.fps;
-    }
     // Frames are encoded in parallel; parts of a large frame go to threads that have no frame.
     options_.encode.executor = tbb_executor();
-    static_cast<ReelHead&>(manifest_) = reel_head(options_);
-    if (options_.encode.id() == Codec::octree) add_scalar_layer(manifest_.layer_names);
-    manifest_.duration_us =
-        recorded ? sequence_.end_us() : presentation_time_us(files_.size(), options_.fps);
-    if (recorded) manifest_.captured_us = sequence_.captured_us();
+    manifest_ = begin_manifest(options_, sequence_);
     output_ = {folder, manifest_.layer_names, listener.frame_done, listener.stop, {}};
-    if (recorded) output_.time_us = [this](std::size_t i) { return sequence_.times_us[i]; };
+    if (has_times_of_files(options_, sequence_)) {
+      summary_.recorded_fps = options_.fps;
+      output_.time_us = [this](std::size_t i) { return sequence_.times_us[i]; };
+    }
   }
 
   /// Runs in the calling arena.

@@ -1,6 +1,5 @@
 #include "server/parts/pack_part.h"
 
-#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <system_error>
@@ -14,9 +13,9 @@
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "common/base/write_file.h"
-#include "common/cloud/scalar_fields.h"
 #include "common/stream/manifest.h"
 #include "pointreel/codec.h"
+#include "server/pack/begin_manifest.h"
 #include "server/pack/in_arena.h"
 #include "server/pack/read_package.h"
 #include "server/pack/segment_packer.h"
@@ -86,14 +85,9 @@ class PartPacker {
         sequence_(sequence_of(plan)) {
     options_.name = plan.name;
     if (options_.up_of_files) options_.up = plan.up.value_or(options_.up);
-    if (is_timed()) options_.fps = std::clamp(sequence_.fps, kMinFps, kMaxFps);
     options_.segment_frames = plan.segment_frames;
     options_.encode.executor = tbb_executor();
-    static_cast<ReelHead&>(head_) = reel_head(options_);
-    if (options_.encode.id() == Codec::octree) add_scalar_layer(head_.layer_names);
-    head_.duration_us =
-        is_timed() ? sequence_.end_us() : presentation_time_us(plan.frames.size(), options_.fps);
-    if (is_timed()) head_.captured_us = sequence_.captured_us();
+    head_ = begin_manifest(options_, sequence_);
     head_.tables = plan.tables;
   }
 
@@ -144,9 +138,6 @@ class PartPacker {
     return {};
   }
 
-  /// Whether frames are shown when they were recorded.
-  bool is_timed() const { return options_.times_of_files && !sequence_.times_us.empty(); }
-
   /// The source of frames must be what the plan was made for.
   static Result<void> check_unchanged(const PlannedFrame& planned) {
     const std::uint64_t bytes = TRY(bytes_of_source(planned.path));
@@ -191,7 +182,8 @@ class PartPacker {
     const WorkFolder work =
         TRY(WorkFolder::create(folder_ / fmt::format(".{:05}-{}", first_frame, own_name())));
     SegmentOutput output{work.path(), head_.layer_names, listener_.frame_done, listener_.stop, {}};
-    if (is_timed()) output.time_us = [this](std::size_t i) { return sequence_.times_us[i]; };
+    if (has_times_of_files(options_, sequence_))
+      output.time_us = [this](std::size_t i) { return sequence_.times_us[i]; };
     SegmentPacker packer(options_, output);
     PackedSegment packed = TRY(packer.pack(frames, first_frame));
     for (const std::string& line : warnings_.fresh(packed)) {

@@ -30,14 +30,21 @@ std::size_t checks_of(const std::string& type) {
   return first;
 }
 
+/// A number as people write it: whole ones exactly, others with at most nine digits.
+std::string tidy(const std::string& text) {
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  const bool whole = text.find_first_not_of("0123456789") == std::string::npos;
+  return whole || *end != '\0' ? text : number_text(number, 9);
+}
+
 /// The choices as --help lists them, or a range; empty if the checks of the option do not say.
 std::string accepted(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const std::string checks = type.substr(checks_of(type));
   if (const std::string range = between(checks, "in [", "]"); !range.empty()) {
     const std::size_t dash = range.find(" - ");
-    return fmt::format("{} to {}", number_text(std::atof(range.c_str()), 9),
-                       number_text(std::atof(range.c_str() + dash + 3), 9));
+    return fmt::format("{} to {}", tidy(range.substr(0, dash)), tidy(range.substr(dash + 3)));
   }
   return fmt::format("{}", fmt::join(choices_of(option), ", "));
 }
@@ -48,13 +55,6 @@ std::string capitalised(std::string text) {
   if (word > 0 && text[word - 1] != ':')
     text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   return text;
-}
-
-std::string default_of(const CLI::Option& option) {
-  const std::string text = option.get_default_str();
-  char* end = nullptr;
-  const double number = std::strtod(text.c_str(), &end);
-  return text.empty() || *end != '\0' ? text : number_text(number, 9);
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ std::string description_of(const CLI::Option& option) {
   if (option.get_required() && !option.get_positional()) notes.emplace_back("required");
   if (option.get_type_size() > 0) {
     if (const auto all = accepted(option); !all.empty()) notes.push_back(all);
-    const std::string preset = default_of(option);
+    const std::string preset = tidy(option.get_default_str());
     if (!preset.empty() && !says("default")) notes.push_back("default " + preset);
   }
   const std::string variable = option.get_envname();

@@ -84,6 +84,7 @@ export class PointreelPlayer extends HTMLElement implements Declared {
   }
   disconnectedCallback(): void {
     this.observer?.disconnect();
+    this.observer = null;
     // Moving the element within the page disconnects and connects it again.
     queueMicrotask(() => {
       if (this.isConnected) return;
@@ -93,7 +94,9 @@ export class PointreelPlayer extends HTMLElement implements Declared {
     });
   }
   attributeChangedCallback(name: string): void {
-    if (name === "src" && this.isConnected) this.load();
+    // An element that stands in the page before this script is told of its attributes one by one, while it is connected
+    // already: connectedCallback loads it, when all are known.
+    if (name === "src" && this.observer) this.load();
     if (name === "loop" && this.player.isOpen) this.player.setLoop(this.loop);
     if (name === "mode") this.player.set({ mode: this.mode });
     if (name.startsWith("color")) this.player.set(coloringOf(this.color, this.colorRange));

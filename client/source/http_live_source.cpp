@@ -213,7 +213,10 @@ class HttpLiveSource : public LiveSource {
     // tell how long the next ones will take.
     if (now - begin > std::max<std::chrono::microseconds>(kTooLate, 4 * length)) return false;
     std::uint64_t begin_us = manifest.live->start_us + segment.times_us.front();
-    if (with_sound) begin_us = play_sound(*segment.sound, files->back(), begin_us);
+    if (with_sound) {
+      begin_us = play_sound(*segment.sound, files->back(), begin_us);
+      files->pop_back();  // the rest are layers
+    }
     pacing_.arrived(begin_us, now);
     cut_up(manifest, segment,
            {std::make_move_iterator(files->begin()), std::make_move_iterator(files->end())},

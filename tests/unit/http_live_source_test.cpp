@@ -4,6 +4,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -107,6 +108,7 @@ class Stage {
   }
 
   std::atomic<int> not_modified{0}, sounds_served{0};
+  std::atomic<std::chrono::milliseconds> delay{0ms};  ///< of files
   std::atomic<bool> gone{false};
 
  private:
@@ -126,6 +128,7 @@ class Stage {
       answer(socket, "200 OK", "ETag: " + tag + "\r\n", write_manifest(manifest_));
     } else if (files_.contains(name)) {
       if (name.ends_with(".sound.prs")) ++sounds_served;
+      std::this_thread::sleep_for(delay.load());
       answer(socket, "200 OK", "", files_[name]);
     } else {
       answer(socket, "404 Not Found", "", "gone");
@@ -208,6 +211,23 @@ TEST(HttpLiveSource, gives_the_sound_of_segments_to_who_asks_for_it) {
   ASSERT_TRUE(await(*source, 5));
   const std::lock_guard lock(mutex);
   EXPECT_EQ(heard, (std::vector<std::uint32_t>{0, 2}));
+}
+
+TEST(HttpLiveSource, gives_sound_with_the_layers_for_which_there_is_time) {
+  Stage stage;
+  stage.delay = 50ms;  // longer than a segment
+  const auto source = open(stage.url(), true);
+  std::atomic<int> heard = 0;
+  source->set_on_sound([&](const LiveSound&) { ++heard; });
+  stage.publish_segment(sound_file(0));
+  ASSERT_TRUE(await(*source, 1));
+  stage.publish_segment(sound_file(1));
+  const auto frame = await(*source, 3);
+  ASSERT_TRUE(frame);
+  ASSERT_EQ(frame->frame.layers.size(), 1u);
+  EXPECT_EQ(frame->frame.layers[0].bytes, Bytes(4, 3));
+  EXPECT_EQ(source->counts().bad, 0u);
+  EXPECT_EQ(heard, 2);
 }
 
 TEST(HttpLiveSource, fetches_no_sound_that_nobody_asks_for) {

@@ -77,7 +77,6 @@ Manifest keep(const Manifest& manifest, const Cut& cut) {
   const std::uint32_t first = kept.segments.front().first_frame;
   for (Segment& segment : kept.segments) {
     segment.first_frame -= first;
-    segment.sound.reset();
     for (std::uint64_t& time : segment.times_us) time -= cut.begin_us;
   }
   share(kept.cleaning, kept.frame_count(), manifest.frame_count());

@@ -34,6 +34,7 @@ Result<void> put_segment(const PackageFiles& from, const fs::path& folder,
     TRY(put_file(from, file, folder, name));
     file.path = std::move(name);
   }
+  segment.sound.reset();
   return {};
 }
 

@@ -18,7 +18,7 @@ Result<void> put_file(const PackageFiles& from, const PackageFile& file,
 
 /// Puts the files of a segment into the folder of another package. `segment` is that of the new
 /// package, but for the names of its files, which are made anew: they begin with the number of its
-/// first frame.
+/// first frame. The sound of a live stream is left out.
 Result<void> put_segment(const PackageFiles& from, const std::filesystem::path& folder,
                          const std::vector<std::string>& layer_names, Segment& segment);
 

@@ -60,8 +60,8 @@ TEST_P(LiveSoundWindow, is_heard_with_the_delay_of_its_pictures) {
                                   {"publish", "-i", plate().ply(0).parent_path().string(), "--loop",
                                    "--audio", (folder_ / "a.wav").string(), "--to", "ws" + place});
   open_sources({GetParam() + place, "--audio-device", "null"});
-  EXPECT_TRUE(wait_for_next_frame());
-  EXPECT_TRUE(wait_for_next_frame());
+  // Over HTTP, the sound of the first segment may have come before the player listens.
+  for (int i = 0; i < 30; ++i) EXPECT_TRUE(wait_for_next_frame());
   const auto audio = quit()["window"]["audio"];
   EXPECT_TRUE(audio["plays"].get<bool>());
   EXPECT_GT(audio["first_sound_ms"].get<double>(), 0.0);

@@ -228,10 +228,10 @@ class HttpLiveSource : public LiveSource {
   /// it would have been captured to be shown in time for them, if pictures without sound are shown
   /// as soon as they come: sound may come later than its picture, and has to come before it is
   /// heard.
-  std::uint64_t play_sound(const PackageFile& file, const SharedBytes& bytes,
-                           std::uint64_t begin_us) {
-    const auto sounds = parse_live_sound_file(bytes.view());
-    if (!sounds || checksum_of(bytes.view()) != file.checksum) {
+  std::uint64_t play_sound(const PackageFile& file, ByteView bytes, std::uint64_t begin_us) {
+    const bool whole = checksum_of(bytes) == file.checksum;
+    const auto sounds = parse_live_sound_file(whole ? bytes : ByteView());
+    if (!whole || !sounds) {
       assembler_.add_bad();
       return begin_us;
     }

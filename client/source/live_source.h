@@ -13,8 +13,8 @@
 
 namespace pointreel {
 
-/// How long before it is heard sound should have come: the buffer of a sound card, two hops of a
-/// grain, and the rounds of playback.
+/// How long before it is heard sound should have come: for the buffer of the sound card, for a
+/// grain of AudioVoice, and for a round of the playback loop.
 inline constexpr std::chrono::microseconds kSoundLead{110'000};
 
 /// Frames as they are captured. A thread of its own keeps up the connection, and makes it again

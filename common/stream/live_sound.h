@@ -35,7 +35,7 @@ Bytes write_live_sound(const LiveSound& sound);
 Result<LiveSound> parse_live_sound(ByteView message);
 
 /// Over HTTP, packets come in a file for each segment: PROTOCOL.md, "Live over HTTP". Adds a
-/// message to such a file.
+/// message, of at most 65,535 bytes, to such a file.
 void append_live_sound(std::string& file, ByteView message);
 /// Packets point into the file. Errors: as parse_live_sound.
 Result<std::vector<LiveSound>> parse_live_sound_file(ByteView file);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/stream/layer_file_name.h"
+#include "common/stream/live_sound.h"
 #include "common/stream/manifest.h"
 
 namespace pointreel {

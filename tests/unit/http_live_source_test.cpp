@@ -191,7 +191,7 @@ std::string sound_file(std::uint32_t number) {
   return file;
 }
 
-TEST(HttpLiveSource, gives_the_sound_of_segments_to_who_asks_for_it) {
+TEST(HttpLiveSource, gives_the_sound_of_segments_to_whoever_asks_for_it) {
   Stage stage;
   const auto source = open(stage.url(), true);
   std::mutex mutex;

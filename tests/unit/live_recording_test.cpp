@@ -363,7 +363,11 @@ TEST(HttpWindow, has_the_sound_that_came_during_each_segment) {
   // While no frame comes, sound takes no more memory than a file may.
   window.hello(real_hello());
   for (std::uint32_t i = 0; i < 1000; ++i) give_sound(i, 2000);
-  give_frames(window, 11, 30);
+  give_frames(window, 11, 6);
+  const Manifest newest = out.manifest();
+  EXPECT_LE(newest.segments.back().sound.value().bytes, kMaxSegmentSoundBytes);
+  EXPECT_EQ(numbers(newest.segments.back()).back(), 999u);
+  give_frames(window, 17, 24);
   window.end();
   const Manifest later = out.manifest();
   EXPECT_TRUE(out.whole(later));

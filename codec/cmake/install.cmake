@@ -72,3 +72,4 @@ if(programs AND NOT POINTREEL_SANITIZE AND NOT POINTREEL_SANITIZE_THREADS AND NO
   add_custom_target(pointreel_manuals ALL DEPENDS ${manuals}.made)
   install(DIRECTORY ${manuals}/ DESTINATION ${CMAKE_INSTALL_DATAROOTDIR} COMPONENT programs)
 endif()
+add_custom_target(programs DEPENDS ${programs})

@@ -9,8 +9,8 @@
 #include <map>
 #include <new>
 #include <string>
+#include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <tbb/global_control.h>
@@ -20,8 +20,7 @@
 #include "common/base/print.h"
 #include "common/base/standard_output.h"
 #include "common/base/words.h"
-#include "common/command_line/option_checks.h"
-#include "common/command_line/program.h"
+#include "common/command_line/command.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/write_hard.h"
 #include "datasets_synthetic/write_sequence.h"
@@ -151,7 +150,7 @@ int run_sequence(const Motion& motion, const Options& options) {
 }
 
 /// Describes options that cannot be combined; empty if there are none.
-std::string contradiction(const CLI::App& app, const Options& options) {
+std::string contradiction(cli::Command app, const Options& options) {
   const auto given = [&app](const char* name) { return app.count(name) > 0; };
   const bool ldc = options.job.options.sampler == Sampler::ldc;
   if (options.voxel_bits > 0) {
@@ -176,7 +175,7 @@ std::string contradiction(const CLI::App& app, const Options& options) {
   return {};
 }
 
-int run(const CLI::App& app, const Options& options) {
+int run(cli::Command app, const Options& options) {
   if (options.list) {
     print_list(options.json);
     return 0;
@@ -194,29 +193,31 @@ int run(const CLI::App& app, const Options& options) {
   return run_sequence(*motion, options);
 }
 
-void add_options(CLI::App& app, Options& options) {
+void add_options(cli::Command app, Options& options) {
   SequenceOptions& sequence = options.job.options;
   app.add_option("NAME", options.name, "a motion of the figure, or \"hard\"; --list shows them all")
-      ->type_name("");
+      .type_name("");
   app.add_option("-o,--output", options.job.output, "the folder to write to; created if missing")
-      ->type_name("FOLDER");
+      .type_name("FOLDER");
   app.add_flag("--force", options.job.force, "replace the folder if this program wrote it");
   app.add_option("--frames", options.frames, "number of frames; 0: the length of the motion")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 1000000));
+      .capture_default_str()
+      .check(cli::range(0, 1000000));
   app.add_option("--fps", sequence.fps, "frames per second")
-      ->capture_default_str()
-      ->check(pointreel::number_within(0.001, 100000.0));
+      .capture_default_str()
+      .check(cli::number_within(0.001, 100000.0));
   app.add_flag("--still", sequence.still,
                "all frames show the pose of the first, and only their sampling differs, as if the "
                "figure stood still");
   app.add_option("--threads", options.threads, "number of threads; 0: one for each core")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 1024));
+      .capture_default_str()
+      .check(cli::range(0, 1024));
   app.add_flag("--list", options.list, "list the names and exit");
   app.add_flag("--json", options.json, "print the summary as JSON");
 
   constexpr const char* kSampling = "Sampling of the surface";
+  std::vector<std::string> samplers;
+  for (const auto& [name, sampler] : kSamplers) samplers.push_back(name);
   app.add_option_function<std::string>(
          "--sampler",
          [&sequence](const std::string& name) { sequence.sampler = kSamplers.at(name); },
@@ -224,61 +225,61 @@ void add_options(CLI::App& app, Options& options) {
          "all sides, with noise, flying pixels, badly aligned cameras and wrong colours at edges; "
          "uniform: random points on the surface, uniform by area; ldc: layered depth cube, where "
          "three bundles of parallel rays meet the surface")
-      ->check(CLI::IsMember(kSamplers))
-      ->type_name("NAME")
-      ->default_str("scan")
-      ->group(kSampling);
+      .check(cli::one_of(samplers))
+      .type_name("NAME")
+      .default_str("scan")
+      .group(kSampling);
   app.add_option("--points", sequence.points,
                  "points per frame (scan, depth-cameras: on average over the motion); 0: as many "
                  "as the scanned "
                  "sequence of that name by Slomp et al. has, 61,000 to 102,000")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 50000000))
-      ->group(kSampling);
+      .capture_default_str()
+      .check(cli::range(0, 50000000))
+      .group(kSampling);
   app.add_option("--seed", sequence.seed, "each seed gives another sample of the same surface")
-      ->capture_default_str()
-      ->check(pointreel::whole_number())
-      ->group(kSampling);
+      .capture_default_str()
+      .check(cli::whole_number())
+      .group(kSampling);
   app.add_option("--noise", sequence.noise,
                  "noise, in addition to that of the sampler: its standard deviation along each "
                  "axis in metres")
-      ->capture_default_str()
-      ->check(pointreel::number_within(0.0, 1.0))
-      ->group(kSampling);
+      .capture_default_str()
+      .check(cli::number_within(0.0, 1.0))
+      .group(kSampling);
   app.add_option("--cameras", sequence.depth_cameras.cameras,
                  "depth-cameras: number of cameras in a ring around the figure")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 100))
-      ->group(kSampling);
+      .capture_default_str()
+      .check(cli::range(1, 100))
+      .group(kSampling);
   app.add_option("--depth-noise", sequence.depth_cameras.noise,
                  "depth-cameras: standard deviation in metres of the depth of a surface that faces "
                  "the camera at the distance of the ring, 2.3 m; it grows with the square of the "
                  "distance and with the slant")
-      ->capture_default_str()
-      ->check(pointreel::number_within(0.0, 0.1))
-      ->group(kSampling);
+      .capture_default_str()
+      .check(cli::number_within(0.0, 0.1))
+      .group(kSampling);
   app.add_option("--calibration-error", sequence.depth_cameras.calibration_shift,
                  "depth-cameras: how far in metres each camera is off its place, the same in all "
                  "frames; it is also turned, by 0.2 degrees for each 0.003 m")
-      ->capture_default_str()
-      ->check(pointreel::number_within(0.0, 0.1))
-      ->group(kSampling);
+      .capture_default_str()
+      .check(cli::number_within(0.0, 0.1))
+      .group(kSampling);
   app.add_option("--spacing", options.spacing, "ldc: distance between the rays in millimetres")
-      ->capture_default_str()
-      ->check(pointreel::number_within(0.1, 1000.0))
-      ->group(kSampling);
+      .capture_default_str()
+      .check(cli::number_within(0.1, 1000.0))
+      .group(kSampling);
   app.add_flag("--reduce", sequence.ldc.reduce,
                "ldc: move points to where rays cross, and keep one in each place")
-      ->group(kSampling);
+      .group(kSampling);
   app.add_option("--voxelize", options.voxel_bits,
                  "do not sample, but write every voxel that the surface passes through, with "
                  "integer coordinates of this many bits in one grid for all frames")
-      ->check(CLI::Range(1, 12))
-      ->group(kSampling);
+      .check(cli::range(1, 12))
+      .group(kSampling);
 }
 
 int parse_and_run(int argc, char** argv) {
-  CLI::App app{
+  cli::Program app{
       "Writes a synthetic sequence of point clouds, of a moving figure whose true surface is "
       "known, as frame_0000.ply, frame_0001.ply, ... The figure faces +z and stands on y = 0, "
       "with y up and coordinates in metres. All points have normals and colours. The same options "
@@ -290,8 +291,8 @@ int parse_and_run(int argc, char** argv) {
   app.footer("Exit codes: 0 success, 1 failure, 2 wrong usage.");
   Options options;
   add_options(app, options);
-  add_common_options(app);
-  if (const auto status = parse(app, argc, argv)) return *status;
+  app.add_common_options();
+  if (const auto status = app.parse(argc, argv)) return *status;
   return run(app, options);
 }
 

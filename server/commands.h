@@ -3,9 +3,8 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "common/base/print.h"
+#include "common/command_line/command.h"
 
 /// The subcommands of pointreel-server. Each is defined in the room that it belongs to.
 namespace pointreel {
@@ -14,14 +13,14 @@ namespace pointreel {
 inline constexpr int kExitOk = 0, kExitFailed = 1, kExitUsage = 2;
 
 /// Each adds subcommands to the program. When one of them has run, `exit_code` holds its result.
-void add_pack_command(CLI::App& app, int& exit_code);
-void add_audio_command(CLI::App& app, int& exit_code);
-void add_edit_commands(CLI::App& app, int& exit_code);     ///< cut and join
-void add_inspect_commands(CLI::App& app, int& exit_code);  ///< info, verify and unpack
-void add_upload_command(CLI::App& app, int& exit_code);
-void add_publish_command(CLI::App& app, int& exit_code);
+void add_pack_command(cli::Command app, int& exit_code);
+void add_audio_command(cli::Command app, int& exit_code);
+void add_edit_commands(cli::Command app, int& exit_code);     ///< cut and join
+void add_inspect_commands(cli::Command app, int& exit_code);  ///< info, verify and unpack
+void add_upload_command(cli::Command app, int& exit_code);
+void add_publish_command(cli::Command app, int& exit_code);
 /// `command_line`: the arguments of the program, which are read again on SIGHUP.
-void add_serve_command(CLI::App& app, int& exit_code, std::vector<std::string> command_line);
+void add_serve_command(cli::Command app, int& exit_code, std::vector<std::string> command_line);
 
 /// Prints `pointreel-server: message` to standard error, as one line.
 inline void print_error(const std::string& message) { print_error("pointreel-server", message); }

@@ -1,15 +1,14 @@
-#include <CLI/CLI.hpp>
-
 #include "common/base/memory.h"
 #include "common/base/standard_output.h"
-#include "common/command_line/program.h"
+#include "common/command_line/command.h"
 #include "server/commands.h"
 
 int main(int argc, char** argv) {
   pointreel::keep_freed_memory();
-  CLI::App app("Packs sequences of point clouds and serves them to players.", "pointreel-server");
-  app.require_subcommand(1);
-  app.set_help_all_flag("--help-all", "Print the help of all subcommands and exit");
+  pointreel::cli::Program app("Packs sequences of point clouds and serves them to players.",
+                              "pointreel-server");
+  app.require_subcommand(1, 1);
+  app.help_all_flag("--help-all", "Print the help of all subcommands and exit");
   int exit_code = pointreel::kExitOk;
   pointreel::add_pack_command(app, exit_code);
   pointreel::add_audio_command(app, exit_code);
@@ -22,8 +21,7 @@ int main(int argc, char** argv) {
       "Exit codes: 0 success; 1 failure, or the package has faults;\n"
       "2 the command line is wrong, or the folder is not a package.";
   app.footer(footer);
-  for (CLI::App* command : app.get_subcommands({})) command->footer(footer);
-  pointreel::add_common_options(app);
-  return pointreel::finish_output("pointreel-server",
-                                  pointreel::parse(app, argc, argv).value_or(exit_code));
+  for (const pointreel::cli::Command command : app.subcommands()) command.footer(footer);
+  app.add_common_options();
+  return pointreel::finish_output("pointreel-server", app.parse(argc, argv).value_or(exit_code));
 }

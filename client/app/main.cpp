@@ -3,26 +3,24 @@
 #include <cstdlib>
 #include <exception>
 
-#include <CLI/CLI.hpp>
-
 #include "client/app/play_command.h"
 #include "client/app/player.h"
 #include "client/playback/opening.h"
 #include "common/base/memory.h"
 #include "common/base/print.h"
 #include "common/base/standard_output.h"
-#include "common/command_line/program.h"
+#include "common/command_line/command.h"
 
 namespace pointreel {
 namespace {
 
 int run(int argc, char** argv) {
   const auto started = std::chrono::steady_clock::now();
-  CLI::App app("Pointreel plays point clouds that move.", "pointreel");
-  app.require_subcommand(1);
+  cli::Program app("Pointreel plays point clouds that move.", "pointreel");
+  app.require_subcommand(1, 1);
   const PlayCommand play_command(app);
-  add_common_options(app);
-  if (const auto status = parse(app, argc, argv)) return *status;
+  app.add_common_options();
+  if (const auto status = app.parse(argc, argv)) return *status;
   Result<PlayOptions> options = play_command.options();
   if (!options) {
     print_error("pointreel", options.error().message);

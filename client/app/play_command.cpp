@@ -4,7 +4,6 @@
 #include <utility>
 #include <variant>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/app/arguments.h"
@@ -16,7 +15,6 @@
 #include "client/scene/radiance_picture.h"
 #include "client/ui/bindings.h"
 #include "common/base/try.h"
-#include "common/command_line/option_checks.h"
 #include "common/command_line/shared_options.h"
 
 namespace pointreel {
@@ -34,20 +32,8 @@ constexpr Range kPictureSide{1, kMaxImageSide}, kFps{0.01, 1000.0}, kSeconds{0.0
     kForward{kMinSpeed, kMaxSpeed}, kBackward{-kMaxSpeed, -kMinSpeed};
 constexpr int kMaxLayers = 255, kMaxSupersample = 4, kMostCache = 1 << 20;
 
-/// Accepts what `parse` accepts; its error is the message.
-template <class Parse>
-CLI::Validator check(Parse parse) {
-  return CLI::Validator(
-      [parse](const std::string& text) {
-        const auto result = parse(text);
-        return result ? std::string() : result.error().message;
-      },
-      "");
-}
-
-/// Unlike CLI::Range it refuses NaN.
-CLI::Validator within(const Range& range) {
-  return check([range](const std::string& text) { return parse_number(text, range); });
+cli::Check within(const Range& range) {
+  return cli::parsed_by([range](const std::string& text) { return parse_number(text, range); });
 }
 
 Result<double> parse_speed(const std::string& text) {
@@ -86,28 +72,29 @@ Result<void> set_text(const Option& option, const std::string& text, Settings& s
 }
 
 /// Adds an option of the table, or its earlier name.
-CLI::Option* add(CLI::App& command, const Option& option, std::string_view name) {
+cli::Option add(cli::Command command, const Option& option, std::string_view name) {
   const std::string full = command_line_name(name);
   if (std::holds_alternative<Option::Flag>(option.value))
     return command.add_flag(full + ",!--no-" + full.substr(2));
-  CLI::Validator accepts = check([&option](const std::string& text) {
+  cli::Check check = cli::parsed_by([&option](const std::string& text) {
     Settings ignored;
     return set_text(option, text, ignored);
   });
-  CLI::Option* added = command.add_option(full)->type_name(type_name(option));
+  const cli::Option added = command.add_option(full).type_name(type_name(option));
   if (const auto* choice = std::get_if<Option::Choice>(&option.value)) {
     // --help, manual pages and completions take the names from here.
-    accepts.description(fmt::format("{{{}}}", fmt::join(choice->names, ",")));
-    added->default_str(value_text(option, {}));
+    check.accepts = fmt::format("{{{}}}", fmt::join(choice->names, ","));
+    added.default_str(value_text(option, {}));
   }
-  return added->check(std::move(accepts));
+  return added.check(check);
 }
 
 }  // namespace
 
-PlayCommand::PlayCommand(CLI::App& app) {
-  CLI::App& command = *app.add_subcommand("play", "Play point clouds in a window or offscreen");
-  command_ = &command;
+PlayCommand::PlayCommand(cli::Command app) {
+  const cli::Command command =
+      app.add_subcommand("play", "Play point clouds in a window or offscreen");
+  command_ = command;
   add_sources(command);
   add_playback(command);
   add_settings(command);
@@ -118,7 +105,7 @@ PlayCommand::PlayCommand(CLI::App& app) {
                  "failed,\n2 if the command line is wrong.");
 }
 
-void PlayCommand::add_sources(CLI::App& command) {
+void PlayCommand::add_sources(cli::Command command) {
   command
       .add_option("SOURCE", sources_,
                   "What to play: a package, as a folder or an http://, https:// or s3:// address; "
@@ -126,190 +113,192 @@ void PlayCommand::add_sources(CLI::App& command) {
                   "nuScenes, MCAP) or of depth cameras (depth/*.png or .mkv, with intrinsics in "
                   "JSON), or one such file; or a live stream, as ws://.../live/NAME, wss:// "
                   "or http(s)://.../live/NAME/reel.json. Several sources are shown in one scene")
-      ->required()
-      ->type_name("");
+      .required()
+      .type_name("");
   const std::string group = "Sources";
   command
       .add_option("--at-position", positions_,
                   "Position of a source in the scene, in its own units; may be given once for "
                   "each source, in their order")
-      ->check(check(parse_position))
-      ->type_name("X,Y,Z")
-      ->allow_extra_args(false)
-      ->group(group);
-  command
-      .add_option("--token", options_.token,
-                  "Bearer token for servers that ask viewers for one; may be given in the "
-                  "environment as POINTREEL_TOKEN")
-      ->envname("POINTREEL_TOKEN")
-      ->type_name("TOKEN")
-      ->group(group);
+      .check(cli::parsed_by(parse_position))
+      .type_name("X,Y,Z")
+      .allow_extra_args(false)
+      .group(group);
+  token_ = command
+               .add_option("--token", options_.token,
+                           "Bearer token for servers that ask viewers for one; may be given in the "
+                           "environment as POINTREEL_TOKEN")
+               .envname("POINTREEL_TOKEN")
+               .type_name("TOKEN")
+               .group(group);
   command
       .add_option("--ca-file", options_.ca_file,
                   "Certificates to trust for https:// and wss:// (default: those of the system)")
-      ->check(CLI::ExistingFile)
-      ->type_name("FILE.pem")
-      ->group(group);
+      .check(cli::existing_file())
+      .type_name("FILE.pem")
+      .group(group);
   command
       .add_option("--endpoint", options_.endpoint,
                   "The object store that s3:// means, such as http://127.0.0.1:9000 (default: "
                   "AWS_ENDPOINT_URL, or Amazon's). Its keys are read from the environment or from "
                   "~/.aws, as Amazon's programs do")
-      ->type_name("URL")
-      ->group(group);
+      .type_name("URL")
+      .group(group);
   command
       .add_flag("--follow-redirects", options_.follow_redirects,
                 "Follow redirects to other hosts, too. Those from https:// to http:// are never "
                 "followed")
-      ->group(group);
+      .group(group);
   command
       .add_option("--layers", options_.layers,
                   "Fetch and decode only this many layers of a package, from coarse to fine "
                   "(default: as many as the view needs)")
-      ->check(CLI::Range(1, kMaxLayers))
-      ->type_name("N")
-      ->group(group);
-  add_frame_memory_option(command, options_.frame_memory)->group(group);
+      .check(cli::range(1, kMaxLayers))
+      .type_name("N")
+      .group(group);
+  add_frame_memory_option(command, options_.frame_memory).group(group);
   command
       .add_option("--cache", options_.cache,
                   "The memory for decoded frames of a package or folder that are kept after they "
                   "were shown, in MiB, so that a loop that fits is decoded once; 0: none")
-      ->check(CLI::Range(0, kMostCache))
-      ->capture_default_str()
-      ->type_name("MIB")
-      ->group(group);
+      .check(cli::range(0, kMostCache))
+      .capture_default_str()
+      .type_name("MIB")
+      .group(group);
   command
       .add_option(
           "--fps", options_.fps,
           "Frames per second of a folder of files (default 30, or the times of a recording)")
-      ->check(within(kFps))
-      ->type_name("NUMBER")
-      ->group(group);
+      .check(within(kFps))
+      .type_name("NUMBER")
+      .group(group);
   command
       .add_option("--up", up_,
                   "The axis that points up: x, -x, y, -y, z or -z (default: what the package says; "
                   "for files, z in LAS, KITTI, nuScenes and MCAP files, and otherwise y)")
-      ->check(check(parse_up_name))
-      ->type_name("AXIS")
-      ->group(group);
-  add_topic_option(command, options_.topic)->group(group);
-  for (CLI::Option* option : add_placement_options(command, options_.placement))
-    option->group(group);
+      .check(cli::parsed_by(parse_up_name))
+      .type_name("AXIS")
+      .group(group);
+  add_topic_option(command, options_.topic).group(group);
+  for (const cli::Option option : add_placement_options(command, options_.placement))
+    option.group(group);
 }
 
-void PlayCommand::add_playback(CLI::App& command) {
+void PlayCommand::add_playback(cli::Command command) {
   const std::string group = "Playback";
   command
       .add_option("--at", options_.at,
                   "Begin at this time of the reel. Offscreen and without --duration, show only "
                   "the frame at this time")
-      ->check(within(kSeconds))
-      ->type_name("SECONDS")
-      ->group(group);
+      .check(within(kSeconds))
+      .type_name("SECONDS")
+      .group(group);
   command
       .add_option("--duration", options_.duration,
                   "Stop this long after the start of the program. Offscreen, a package or a folder "
                   "of files stops after this much of its own time, or, if nothing of it comes over "
                   "the network, this long after the start of the program")
-      ->check(within(kSeconds))
-      ->type_name("SECONDS")
-      ->group(group);
+      .check(within(kSeconds))
+      .type_name("SECONDS")
+      .group(group);
   command
       .add_option(
           "--speed", options_.speed,
           fmt::format("Speed in a window: {:g} to {:g}, or {:g} to {:g} to play backward "
                       "(default {:g})",
                       kForward.min, kForward.max, kBackward.max, kBackward.min, options_.speed))
-      ->check(check(parse_speed))
-      ->type_name("NUMBER")
-      ->group(group);
+      .check(cli::parsed_by(parse_speed))
+      .type_name("NUMBER")
+      .group(group);
   command
       .add_flag_callback(
           "--no-audio", [this] { options_.audio = false; },
           "Neither play nor record sound, and do not fetch it")
-      ->group("Sound");
+      .group("Sound");
   command
       .add_option("--audio-device", options_.audio_device,
                   "The device of ALSA that plays sound, such as those that aplay -L lists; or "
                   "null, which nobody hears")
-      ->capture_default_str()
-      ->type_name("NAME")
-      ->group("Sound");
+      .capture_default_str()
+      .type_name("NAME")
+      .group("Sound");
   command
       .add_option("--camera,--view", camera_,
                   "Where to look from: front, back, left, right, top, bottom, or YAW,PITCH in "
                   "degrees (default: the front, slightly from above). Or the name of a file with "
                   "a path for the camera, such as {\"pointreel_camera_path\": 1, \"keys\": "
                   "[{\"seconds\": 0, \"yaw\": -90, \"pitch\": 10}, {\"seconds\": 2, \"yaw\": 90}]}")
-      ->check(check(parse_camera))
-      ->type_name("VIEW")
-      ->group(group);
+      .check(cli::parsed_by(parse_camera))
+      .type_name("VIEW")
+      .group(group);
 }
 
-void PlayCommand::add_settings(CLI::App& command) {
+void PlayCommand::add_settings(cli::Command command) {
   command
       .add_option("--environment", environment_,
                   "A picture of the light all around, as an equirectangular Radiance file; sets "
                   "--light environment unless --light is given, too")
-      ->type_name("FILE.hdr")
-      ->group("Drawing");
+      .type_name("FILE.hdr")
+      .group("Drawing");
   command
       .add_option("--color-range", color_range_,
                   "With --color and a scalar field: the values that the ends of the colour ramp "
                   "stand for (default: the least and the largest of the source)")
-      ->check(check(parse_interval))
-      ->type_name("A,B")
-      ->group("Drawing");
+      .check(cli::parsed_by(parse_interval))
+      .type_name("A,B")
+      .group("Drawing");
   for (const Option& option : option_table()) {
     if (option.help.empty()) continue;
-    CLI::Option* added = add(command, option, option.name)
-                             ->description(description(option))
-                             ->group(std::string(option.group));
+    const cli::Option added = add(command, option, option.name)
+                                  .description(description(option))
+                                  .group(std::string(option.group));
     // Without a group it is not in --help.
-    if (!option.old_name.empty()) add(command, option, option.old_name)->group("")->excludes(added);
+    given_.emplace_back(&option, added);
+    if (option.old_name.empty()) continue;
+    given_.emplace_back(&option, add(command, option, option.old_name).group("").excludes(added));
   }
 }
 
-void PlayCommand::add_window(CLI::App& command) {
+void PlayCommand::add_window(cli::Command command) {
   const std::string group = "Window";
   command
       .add_option("--config", config_,
                   "The JSON file in which the window keeps its size and what you change with keys "
                   "and panels. Options on the command line take precedence over it (default: "
                   "pointreel/player.json in $XDG_CONFIG_HOME or ~/.config; offscreen: none)")
-      ->type_name("FILE")
-      ->group(group);
-  command.add_flag("--no-config", no_config_, "Neither read nor write such a file")->group(group);
+      .type_name("FILE")
+      .group(group);
+  command.add_flag("--no-config", no_config_, "Neither read nor write such a file").group(group);
 }
 
-void PlayCommand::add_output(CLI::App& command) {
+void PlayCommand::add_output(cli::Command command) {
   const std::string group = "Output";
   command
       .add_option("--offscreen", offscreen_,
                   "Draw pictures of this size without a window or a display: every frame once, in "
                   "order and as fast as possible; live streams and several sources in real time")
-      ->check(check([](const std::string& text) { return parse_size(text, kPictureSide); }))
-      ->type_name("WIDTHxHEIGHT")
-      ->group(group);
+      .check(cli::parsed_by([](const std::string& text) { return parse_size(text, kPictureSide); }))
+      .type_name("WIDTHxHEIGHT")
+      .group(group);
   command.add_option("--screenshot", options_.screenshot, "Write the last picture, as PNG")
-      ->check(check(check_picture_name))
-      ->type_name("FILE.png")
-      ->group(group);
+      .check(cli::parsed_by(check_picture_name))
+      .type_name("FILE.png")
+      .group(group);
   command
       .add_option("--record", options_.record,
                   "Offscreen: write all pictures. Into a video, if the name ends in .mp4, .mkv or "
                   ".webm (needs ffmpeg), with the exact time of each picture. Into one file for "
                   "each picture, if the name has a %d, or %04d with leading zeros, for its number")
-      ->check(check(check_recording_name))
-      ->type_name("FILE")
-      ->group(group);
+      .check(cli::parsed_by(check_recording_name))
+      .type_name("FILE")
+      .group(group);
   command
       .add_option("--supersample", options_.supersample,
                   "Draw pictures that are written N times as wide and high, and average them down")
-      ->check(CLI::Range(1, kMaxSupersample))
-      ->capture_default_str()
-      ->type_name("N")
-      ->group(group);
+      .check(cli::range(1, kMaxSupersample))
+      .capture_default_str()
+      .type_name("N")
+      .group(group);
   command
       .add_option("--json", options_.json,
                   "Write a summary as JSON; - is standard output. It has the median, 95th "
@@ -319,20 +308,16 @@ void PlayCommand::add_output(CLI::App& command) {
                   "elements drawn. \"skipped\" tells what the view and the mode did not need: "
                   "layers, levels, attributes and bytes, leaves out of view or below a pixel, and "
                   "voxels hidden by others")
-      ->type_name("FILE")
-      ->group(group);
+      .type_name("FILE")
+      .group(group);
 }
 
 /// Sets what the command line gives of the settings.
 Result<void> PlayCommand::set_given(Settings& settings) const {
-  for (const Option& option : option_table()) {
-    for (const std::string_view name : {option.name, option.old_name}) {
-      const CLI::Option* given = command_->get_option_no_throw(command_line_name(name));
-      if (given != nullptr && given->count() > 0)
-        TRY(set_text(option, given->as<std::string>(), settings));
-    }
+  for (const auto& [option, given] : given_) {
+    if (given.count() > 0) TRY(set_text(*option, given.value(), settings));
   }
-  if (!environment_.empty() && command_->get_option("--light")->count() == 0)
+  if (!environment_.empty() && command_.count("--light") == 0)
     settings.draw.light = Light::environment;
   if (!color_range_.empty()) {
     if (settings.scalar.field.empty())
@@ -351,7 +336,7 @@ Result<PlayOptions> PlayCommand::options() const {
         std::make_shared<const EnvironmentMap>(TRY(load_environment(environment_)));
   else if (options.settings.draw.light == Light::environment)
     return fail(ErrorCode::argument, "--light environment needs --environment FILE.hdr");
-  if (std::string fault = fault_of_token(*command_->get_option("--token")); !fault.empty())
+  if (std::string fault = fault_of_token(token_); !fault.empty())
     return fail(ErrorCode::argument, std::move(fault));
   if (positions_.size() > sources_.size())
     return fail(ErrorCode::argument,

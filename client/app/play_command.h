@@ -1,14 +1,13 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "client/options/option_table.h"
 #include "client/options/play_options.h"
+#include "common/command_line/command.h"
 #include "pointreel/error.h"
-
-namespace CLI {
-class App;
-}  // namespace CLI
 
 namespace pointreel {
 
@@ -16,7 +15,7 @@ namespace pointreel {
 class PlayCommand {
  public:
   /// Adds the subcommand to `app`, which must be destroyed first.
-  explicit PlayCommand(CLI::App& app);
+  explicit PlayCommand(cli::Command app);
   PlayCommand(const PlayCommand&) = delete;
   PlayCommand& operator=(const PlayCommand&) = delete;
 
@@ -27,14 +26,16 @@ class PlayCommand {
   Result<void> read_settings(PlayOptions& options) const;
 
  private:
-  void add_sources(CLI::App& command);
-  void add_settings(CLI::App& command);
-  void add_playback(CLI::App& command);
-  void add_window(CLI::App& command);
-  void add_output(CLI::App& command);
+  void add_sources(cli::Command command);
+  void add_settings(cli::Command command);
+  void add_playback(cli::Command command);
+  void add_window(cli::Command command);
+  void add_output(cli::Command command);
   Result<void> set_given(Settings& settings) const;
 
-  const CLI::App* command_ = nullptr;
+  cli::Command command_;
+  cli::Option token_;
+  std::vector<std::pair<const Option*, cli::Option>> given_;  ///< options of the table
   PlayOptions options_;
   // As they are written on the command line.
   std::vector<std::string> sources_, positions_;

@@ -66,12 +66,3 @@ function(pointreel_compile_lightly)  # SOURCES...
     set_property(SOURCE ${ARGV} APPEND PROPERTY COMPILE_OPTIONS -O0 -fno-sanitize=undefined)
   endif()
 endfunction()
-
-# Sources that include CLI11 take up to twenty seconds to compile, a third of it without optimisation,
-# and what they do takes no time.
-function(pointreel_compile_command_lines)  # SOURCES...
-  pointreel_compile_lightly(${ARGV})
-  if(CMAKE_BUILD_TYPE STREQUAL "Release")
-    set_property(SOURCE ${ARGV} APPEND PROPERTY COMPILE_OPTIONS -O1)
-  endif()
-endfunction()

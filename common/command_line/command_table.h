@@ -3,27 +3,46 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+/// What --help, manual pages and completions are made of.
+namespace pointreel::cli {
 
-namespace pointreel {
+/// An option or an argument, as it was defined.
+struct OptionEntry {
+  /// "-o", "--output"; a flag with its negation, "--loop", "--no-loop"; the name of an argument
+  /// without dashes.
+  std::vector<std::string> names;
+  bool positional = false;  ///< without dashes
+  /// Its argument and its checks, in CLI11's words: "INT:INT in [0 - 21]"; see option_words.h.
+  std::string type;
+  int least_values = 0;  ///< 0: it may stand without its value, as in --json [FILE], or is a flag
+  int most_values = 0;   ///< 0: it is a flag
+  std::string description;
+  std::string preset;    ///< its default
+  std::string variable;  ///< of the environment
+  std::string group;     ///< the heading in --help
+  bool required = false;
+  std::vector<std::string> needs;  ///< names of other options
+};
 
-/// A program or one of its commands, as manual pages and completions see it. It points into the
-/// table of options that --help is made of, and must not outlive it.
-struct Command {
-  std::vector<std::string> path;              ///< {"pointreel-server", "pack", "plan"}
-  const CLI::App* app = nullptr;              ///< where it is defined
-  std::vector<const CLI::Option*> options;    ///< those in --help, and the --config that it takes
-  std::vector<const CLI::Option*> arguments;  ///< without dashes, in their order
-  std::vector<const CLI::App*> subcommands;
+struct Subcommand {
+  std::string name, summary;
+};
+
+/// A program or one of its commands.
+struct CommandEntry {
+  std::vector<std::string> path;  ///< {"pointreel-server", "pack", "plan"}
+  std::string description;
+  std::string usage;  ///< "[OPTIONS] REEL"
+  std::string footer;
+  std::vector<OptionEntry> options;    ///< those in --help, and the --config that it takes
+  std::vector<OptionEntry> arguments;  ///< without dashes, in their order
+  std::vector<Subcommand> subcommands;
 
   /// "pack plan"; empty for the program itself.
   std::string words() const;
 };
 
-/// All commands of a program: first the program itself, and each before its subcommands.
-std::vector<Command> commands_of(const CLI::App& program);
+/// The first line of a description says what the command is for; only its first sentence.
+std::string summary_of(const std::string& description);
 
-/// The first line of an app's description says what it is for; only its first sentence.
-std::string summary_of(const CLI::App& app);
-
-}  // namespace pointreel
+}  // namespace pointreel::cli

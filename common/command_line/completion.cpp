@@ -8,15 +8,14 @@
 
 #include "common/command_line/option_words.h"
 
-namespace pointreel {
+namespace pointreel::cli {
 
-Value value_of(const CLI::Option& option) {
-  if (option.get_items_expected_max() == 0) return {};
+Value value_of(const OptionEntry& option) {
+  if (option.most_values == 0) return {};
   if (std::vector<std::string> words = choices_of(option); !words.empty())
     return {Value::Kind::words, std::move(words)};
-  const std::string argument = option.get_positional() && argument_of(option).empty()
-                                   ? option.get_name()
-                                   : argument_of(option);
+  const std::string argument =
+      option.positional && argument_of(option).empty() ? option.names.front() : argument_of(option);
   if (argument.starts_with("FOLDER")) return {Value::Kind::folders, {}};
   for (const char* file : {"FILE", "PATH", "REEL", "SOURCE"}) {
     if (argument.starts_with(file)) return {Value::Kind::files, {}};
@@ -24,14 +23,14 @@ Value value_of(const CLI::Option& option) {
   return {Value::Kind::other, {}};
 }
 
-std::string function_name(const Command& command) {
+std::string function_name(const CommandEntry& command) {
   std::string name = fmt::format("_{}", fmt::join(command.path, "_"));
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
 
-std::string short_description(const CLI::Option& option) {
-  std::string text = option.get_description();
+std::string short_description(const OptionEntry& option) {
+  std::string text = option.description;
   text = text.substr(0, text.find_first_of(";:("));
   text = text.substr(0, text.find(". "));
   while (text.ends_with(' ') || text.ends_with('.')) text.pop_back();
@@ -39,4 +38,4 @@ std::string short_description(const CLI::Option& option) {
   return text;
 }
 
-}  // namespace pointreel
+}  // namespace pointreel::cli

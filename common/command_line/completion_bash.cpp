@@ -5,7 +5,7 @@
 #include "common/command_line/completion.h"
 #include "common/command_line/option_words.h"
 
-namespace pointreel {
+namespace pointreel::cli {
 namespace {
 
 /// What the script offers for a value: words, or a word that stands for files or folders.
@@ -25,7 +25,7 @@ std::string bash_offer(const Value& value) {
 }
 
 /// A pattern of case for each word after the words of the command.
-std::string pattern(const Command& command, const std::vector<std::string>& words) {
+std::string pattern(const CommandEntry& command, const std::vector<std::string>& words) {
   std::string all;
   for (const std::string& word : words)
     all += fmt::format("{}'{} {}'", all.empty() ? "" : " | ", command.words(), word);
@@ -89,28 +89,27 @@ complete -F {function} {program}
 
 }  // namespace
 
-std::string bash_completion(const std::vector<Command>& commands) {
+std::string bash_completion(const std::vector<CommandEntry>& commands) {
   const std::string program = commands.front().path.front();
   const std::string function = function_name(commands.front());
   std::string values, subcommands, offers;
-  for (const Command& command : commands) {
+  for (const CommandEntry& command : commands) {
     std::vector<std::string> options, below;
-    for (const CLI::Option* option : command.options) {
-      const std::vector<std::string> names = names_of(*option);
-      options.insert(options.end(), names.begin(), names.end());
-      if (!value_is_optional(*option)) {
-        values += fmt::format("    {}) offer='{}' ;;\n", pattern(command, names),
-                              bash_offer(value_of(*option)));
+    for (const OptionEntry& option : command.options) {
+      options.insert(options.end(), option.names.begin(), option.names.end());
+      if (!value_is_optional(option)) {
+        values += fmt::format("    {}) offer='{}' ;;\n", pattern(command, option.names),
+                              bash_offer(value_of(option)));
       }
     }
-    for (const CLI::App* subcommand : command.subcommands) below.push_back(subcommand->get_name());
+    for (const Subcommand& subcommand : command.subcommands) below.push_back(subcommand.name);
     if (!below.empty()) {
       subcommands += fmt::format("      {}) command=${{command:+$command }}$word ;;\n",
                                  pattern(command, below));
     }
     std::string arguments = fmt::format("{}", fmt::join(below, " "));
-    for (const CLI::Option* argument : command.arguments) {
-      if (arguments.empty()) arguments = bash_offer(value_of(*argument));
+    for (const OptionEntry& argument : command.arguments) {
+      if (arguments.empty()) arguments = bash_offer(value_of(argument));
     }
     offers += fmt::format("      '{}') offer='{}' options='{}' ;;\n", command.words(), arguments,
                           fmt::join(options, " "));
@@ -121,4 +120,4 @@ std::string bash_completion(const std::vector<Command>& commands) {
          offers + fmt::format(kEnd, fmt::arg("program", program), fmt::arg("function", function));
 }
 
-}  // namespace pointreel
+}  // namespace pointreel::cli

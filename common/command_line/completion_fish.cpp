@@ -3,7 +3,7 @@
 #include "common/command_line/completion.h"
 #include "common/command_line/option_words.h"
 
-namespace pointreel {
+namespace pointreel::cli {
 namespace {
 
 /// A text in single quotes, in which fish reads two escapes.
@@ -57,35 +57,35 @@ complete -c {program} -f
 
 }  // namespace
 
-std::string fish_completion(const std::vector<Command>& commands) {
+std::string fish_completion(const std::vector<CommandEntry>& commands) {
   const std::string program = commands.front().path.front();
   const std::string function = function_name(commands.front());
   std::string subcommands, values, completions;
-  for (const Command& command : commands) {
+  for (const CommandEntry& command : commands) {
     const std::string words = command.words();
     const std::string at =
         fmt::format("complete -c {} -n \"_{}_at '{}'\"", program, function, words);
-    for (const CLI::App* subcommand : command.subcommands) {
-      const std::string name = subcommand->get_name();
+    for (const Subcommand& subcommand : command.subcommands) {
+      const std::string name = subcommand.name;
       subcommands += fmt::format("            case '{0} {1}'\n                set command '{2}'\n",
                                  words, name, words.empty() ? name : words + " " + name);
-      completions += fmt::format("{} -a {} -d {}\n", at, name, quoted(summary_of(*subcommand)));
+      completions += fmt::format("{} -a {} -d {}\n", at, name, quoted(subcommand.summary));
     }
-    for (const CLI::Option* option : command.options) {
+    for (const OptionEntry& option : command.options) {
       std::string names, skipped;
-      for (const std::string& name : names_of(*option)) {
+      for (const std::string& name : option.names) {
         const bool is_long = name.starts_with("--");
         names += fmt::format(" {} {}", is_long ? "-l" : "-s", name.substr(is_long ? 2 : 1));
         skipped += fmt::format(" '{} {}'", words, name);
       }
       completions += fmt::format("{}{}{} -d {}\n", at, names,
-                                 value_is_optional(*option) ? "" : fish_offer(value_of(*option)),
-                                 quoted(short_description(*option)));
-      if (!value_is_optional(*option))
+                                 value_is_optional(option) ? "" : fish_offer(value_of(option)),
+                                 quoted(short_description(option)));
+      if (!value_is_optional(option))
         values += fmt::format("            case{}\n                set skip 1\n", skipped);
     }
-    for (const CLI::Option* argument : command.arguments) {
-      const Value value = value_of(*argument);
+    for (const OptionEntry& argument : command.arguments) {
+      const Value value = value_of(argument);
       if (value.kind == Value::Kind::files) completions += at + " -F\n";
       if (value.kind == Value::Kind::folders)
         completions += at + " -a '(__fish_complete_directories)'\n";
@@ -96,4 +96,4 @@ std::string fish_completion(const std::vector<Command>& commands) {
          completions;
 }
 
-}  // namespace pointreel
+}  // namespace pointreel::cli

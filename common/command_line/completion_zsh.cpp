@@ -3,7 +3,7 @@
 #include "common/command_line/completion.h"
 #include "common/command_line/option_words.h"
 
-namespace pointreel {
+namespace pointreel::cli {
 namespace {
 
 /// A text within a specification of _arguments and within single quotes.
@@ -37,14 +37,13 @@ std::string action(const Value& value) {
 }
 
 /// The specifications of an option, one for each of its names.
-std::string specifications(const CLI::Option& option) {
-  const std::vector<std::string> names = names_of(option);
+std::string specifications(const OptionEntry& option) {
   const Value value = value_of(option);
   // An option that may be repeated excludes nothing.
   const std::string before =
-      option.get_items_expected_max() > 1 ? "*" : fmt::format("({})", fmt::join(names, " "));
+      option.most_values > 1 ? "*" : fmt::format("({})", fmt::join(option.names, " "));
   std::string all;
-  for (const std::string& name : names) {
+  for (const std::string& name : option.names) {
     std::string after;
     if (value.kind != Value::Kind::none) {
       after = fmt::format("{}:{}:{}", value_is_optional(option) ? ":" : "",
@@ -57,25 +56,25 @@ std::string specifications(const CLI::Option& option) {
   return all;
 }
 
-std::string arguments_of(const Command& command) {
+std::string arguments_of(const CommandEntry& command) {
   std::string all;
   int place = 0;
-  for (const CLI::Option* argument : command.arguments) {
+  for (const OptionEntry& argument : command.arguments) {
     ++place;
-    const bool many = argument->get_items_expected_max() > 1;
+    const bool many = argument.most_values > 1;
     all += fmt::format("    '{}:{}:{}' \\\n", many ? "*" : std::to_string(place),
-                       escaped(argument->get_name()), action(value_of(*argument)));
+                       escaped(argument.names.front()), action(value_of(argument)));
   }
   return all;
 }
 
-std::string function_of(const Command& command) {
+std::string function_of(const CommandEntry& command) {
   const std::string name = function_name(command);
   std::string text = name + "() {\n";
   if (!command.subcommands.empty())
     text += "  local curcontext=$curcontext state line\n  typeset -A opt_args\n";
   text += "  _arguments -C \\\n";
-  for (const CLI::Option* option : command.options) text += specifications(*option);
+  for (const OptionEntry& option : command.options) text += specifications(option);
   text += arguments_of(command);
   if (command.subcommands.empty()) {
     text.erase(text.size() - 3);  // the last " \\\n"
@@ -84,10 +83,9 @@ std::string function_of(const Command& command) {
   text += fmt::format("    '1:command:{0}_commands' \\\n    '*::argument:->argument'\n", name);
   text += "  [[ $state != argument ]] || case $line[1] in\n";
   std::string described;
-  for (const CLI::App* subcommand : command.subcommands) {
-    text += fmt::format("    {0}) {1}_{0} ;;\n", subcommand->get_name(), name);
-    described +=
-        fmt::format("\n    '{}:{}'", subcommand->get_name(), escaped(summary_of(*subcommand)));
+  for (const Subcommand& subcommand : command.subcommands) {
+    text += fmt::format("    {0}) {1}_{0} ;;\n", subcommand.name, name);
+    described += fmt::format("\n    '{}:{}'", subcommand.name, escaped(subcommand.summary));
   }
   return text + fmt::format(
                     "  esac\n}}\n\n{}_commands() {{\n  local -a commands=({})\n"
@@ -97,12 +95,15 @@ std::string function_of(const Command& command) {
 
 }  // namespace
 
-std::string zsh_completion(const std::vector<Command>& commands) {
+std::string zsh_completion(const std::vector<CommandEntry>& commands) {
   const std::string program = commands.front().path.front();
   const std::string function = function_name(commands.front());
   std::string text = fmt::format(
       "#compdef {0}\n# Completions of {0} for zsh, written by {0} --write-manuals.\n", program);
-  for (const Command& command : commands) text += "\n" + function_of(command);
+  for (const CommandEntry& command : commands) {
+    text += '\n';
+    text += function_of(command);
+  }
   // zsh calls the file as a function the first time; it may also be read as a script.
   return text + fmt::format(
                     "\nif [[ $funcstack[1] == {0} ]]; then\n  {0} \"$@\"\nelse\n"
@@ -110,4 +111,4 @@ std::string zsh_completion(const std::vector<Command>& commands) {
                     function, program);
 }
 
-}  // namespace pointreel
+}  // namespace pointreel::cli

@@ -7,11 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "common/command_line/help_formatter.h"
 #include "common/command_line/option_words.h"
 #include "pointreel/version.h"
 
-namespace pointreel {
+namespace pointreel::cli {
 namespace {
 
 /// A text of one line, so that man shows each character as it is.
@@ -64,31 +63,31 @@ std::string uncapitalised(std::string text) {
   return text;
 }
 
-std::string entry(const CLI::Option& option) {
+std::string entry(const OptionEntry& option) {
   std::string names;
-  for (const std::string& name : names_of(option)) {
-    const std::string shown = option.get_positional() ? italic(name) : bold(name);
+  for (const std::string& name : option.names) {
+    const std::string shown = option.positional ? italic(name) : bold(name);
     names += (names.empty() ? "" : ", ") + shown;
   }
-  const std::string argument = option.get_positional() ? "" : argument_of(option);
+  const std::string argument = option.positional ? "" : argument_of(option);
   if (!argument.empty()) names += " " + italic(argument);
   return fmt::format(".TP\n{}\n{}\n", names, literal(description_of(option)));
 }
 
-std::string entries(const Command& command) {
+std::string entries(const CommandEntry& command) {
   std::string text;
   if (!command.arguments.empty()) text += ".SH ARGUMENTS\n";
-  for (const CLI::Option* argument : command.arguments) text += entry(*argument);
+  for (const OptionEntry& argument : command.arguments) text += entry(argument);
   text += ".SH OPTIONS\n";
   std::vector<std::string> groups = {"Options"};
-  for (const CLI::Option* option : command.options) {
-    if (std::find(groups.begin(), groups.end(), option->get_group()) == groups.end())
-      groups.push_back(option->get_group());
+  for (const OptionEntry& option : command.options) {
+    if (std::find(groups.begin(), groups.end(), option.group) == groups.end())
+      groups.push_back(option.group);
   }
   for (const std::string& group : groups) {
     if (group != "Options") text += fmt::format(".SS \"{}\"\n", literal(group));
-    for (const CLI::Option* option : command.options) {
-      if (option->get_group() == group) text += entry(*option);
+    for (const OptionEntry& option : command.options) {
+      if (option.group == group) text += entry(option);
     }
   }
   return text;
@@ -114,43 +113,39 @@ std::string as_written(const std::string& text) {
 
 }  // namespace
 
-std::string manual_name(const Command& command) {
+std::string manual_name(const CommandEntry& command) {
   return fmt::format("{}", fmt::join(command.path, "-"));
 }
 
-std::string manual_page(const Command& command) {
+std::string manual_page(const CommandEntry& command) {
   const std::string name = manual_name(command);
   const std::string call = fmt::format("{}", fmt::join(command.path, " "));
-  const std::string usage = HelpFormatter().make_usage(command.app, "");
   std::string text = fmt::format(
       ".\\\" Written by {0} --write-manuals.\n"
       ".TH \"{1}\" 1 \"\" \"Pointreel {2}\" \"User Commands\"\n"
       ".SH NAME\n{3} \\- {4}\n"
       ".SH SYNOPSIS\n{5} {6}\n",
       command.path.front(), literal(upper(name)), POINTREEL_VERSION, literal(name),
-      literal(uncapitalised(summary_of(*command.app))), bold(call),
-      literal(usage.substr(usage.find('['), usage.find('\n', usage.find('[')) - usage.find('['))));
-  text += ".SH DESCRIPTION\n" + paragraphs(command.app->get_description());
+      literal(uncapitalised(summary_of(command.description))), bold(call), literal(command.usage));
+  text += ".SH DESCRIPTION\n" + paragraphs(command.description);
   text += entries(command);
   if (!command.subcommands.empty()) text += ".SH COMMANDS\n";
-  for (const CLI::App* subcommand : command.subcommands) {
-    text += fmt::format(".TP\n{}\n{}\n", bold(subcommand->get_name()),
-                        literal(summary_of(*subcommand)));
+  for (const Subcommand& subcommand : command.subcommands) {
+    text += fmt::format(".TP\n{}\n{}\n", bold(subcommand.name), literal(subcommand.summary));
   }
-  if (const std::string footer = command.app->get_footer(); !footer.empty())
-    text += ".SH NOTES\n" + as_written(footer);
+  if (!command.footer.empty()) text += ".SH NOTES\n" + as_written(command.footer);
   // The pages of the program, of the command above, and of the commands below.
   std::vector<std::string> others;
   for (std::size_t length = 1; length < command.path.size(); ++length) {
     others.push_back(
         fmt::format("{}", fmt::join(command.path.begin(), command.path.begin() + length, "-")));
   }
-  for (const CLI::App* subcommand : command.subcommands)
-    others.push_back(name + "-" + subcommand->get_name());
+  for (const Subcommand& subcommand : command.subcommands)
+    others.push_back(name + "-" + subcommand.name);
   std::string see;
   for (const std::string& other : others) see += (see.empty() ? "" : ",\n") + bold(other) + "(1)";
   if (!see.empty()) text += ".SH SEE ALSO\n" + see + "\n";
   return text;
 }
 
-}  // namespace pointreel
+}  // namespace pointreel::cli

@@ -9,7 +9,7 @@
 
 #include "common/base/words.h"
 
-namespace pointreel {
+namespace pointreel::cli {
 namespace {
 
 /// The part between two marks; empty if the marks are not there.
@@ -39,9 +39,8 @@ std::string tidy(const std::string& text) {
 }
 
 /// The choices as --help lists them, or a range; empty if the checks of the option do not say.
-std::string accepted(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
-  const std::string checks = type.substr(checks_of(type));
+std::string accepted(const OptionEntry& option) {
+  const std::string checks = option.type.substr(checks_of(option.type));
   if (const std::string range = between(checks, "in [", "]"); !range.empty()) {
     const std::size_t dash = range.find(" - ");
     return fmt::format("{} to {}", tidy(range.substr(0, dash)), tidy(range.substr(dash + 3)));
@@ -59,50 +58,36 @@ std::string capitalised(std::string text) {
 
 }  // namespace
 
-std::vector<std::string> names_of(const CLI::Option& option) {
-  if (option.get_positional()) return {option.get_single_name()};
-  std::vector<std::string> names;
-  for (const std::string& name : option.get_snames()) names.push_back("-" + name);
-  for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
-  return names;
-}
-
-std::vector<std::string> choices_of(const CLI::Option& option) {
+std::vector<std::string> choices_of(const OptionEntry& option) {
   // CLI11 writes a type as "INT:INT in [0 - 21]" or "TEXT:{auto,kd-tree}", and a choice that stands
   // for another value as "{scan->0,uniform->1}".
-  const std::string type = option.get_type_name();
-  std::istringstream list(between(type.substr(checks_of(type)), "{", "}"));
+  std::istringstream list(between(option.type.substr(checks_of(option.type)), "{", "}"));
   std::vector<std::string> choices;
   for (std::string choice; std::getline(list, choice, ',');)
     choices.push_back(choice.substr(0, choice.find("->")));
   return choices;
 }
 
-std::string argument_of(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
-  const std::string name = type.substr(0, checks_of(type));
+std::string argument_of(const OptionEntry& option) {
+  const std::string name = option.type.substr(0, checks_of(option.type));
   if (name == "INT" || name == "UINT") return "N";
   if (name == "FLOAT") return "NUMBER";
   return name == "TEXT" && !accepted(option).empty() ? "NAME" : name;
 }
 
-std::string description_of(const CLI::Option& option) {
-  std::string text = capitalised(option.get_description());
+std::string description_of(const OptionEntry& option) {
+  std::string text = capitalised(option.description);
   const auto says = [&text](const std::string& word) {
     return text.find(word) != std::string::npos;
   };
   std::vector<std::string> notes;
-  if (option.get_required() && !option.get_positional()) notes.emplace_back("required");
-  if (option.get_type_size() > 0) {
-    if (const auto all = accepted(option); !all.empty()) notes.push_back(all);
-    const std::string preset = tidy(option.get_default_str());
-    if (!preset.empty() && !says("default")) notes.push_back("default " + preset);
-  }
-  const std::string variable = option.get_envname();
-  if (!variable.empty() && !says(variable))
-    notes.push_back("or " + variable + " in the environment");
-  for (const CLI::Option* needed : option.get_needs())
-    notes.push_back("needs " + needed->get_name());
+  if (option.required && !option.positional) notes.emplace_back("required");
+  if (const auto all = accepted(option); !all.empty()) notes.push_back(all);
+  const std::string preset = tidy(option.preset);
+  if (!preset.empty() && !says("default")) notes.push_back("default " + preset);
+  if (!option.variable.empty() && !says(option.variable))
+    notes.push_back("or " + option.variable + " in the environment");
+  for (const std::string& needed : option.needs) notes.push_back("needs " + needed);
   if (!notes.empty()) {
     // Notes join those that the description ends with.
     const bool joined = text.ends_with(')');
@@ -112,4 +97,17 @@ std::string description_of(const CLI::Option& option) {
   return text;
 }
 
-}  // namespace pointreel
+std::string wrap(const std::string& text, std::size_t width) {
+  std::istringstream words(text);
+  std::string wrapped, line;
+  for (std::string word; words >> word;) {
+    if (!line.empty() && line.size() + 1 + word.size() > width) {
+      wrapped += line + "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return wrapped + line;
+}
+
+}  // namespace pointreel::cli

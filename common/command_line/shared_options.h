@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "common/cloud/placement.h"
+#include "common/command_line/command.h"
 #include "pointreel/codec.h"
 #include "pointreel/error.h"
 
@@ -15,7 +15,7 @@ namespace pointreel {
 
 /// `mib` holds the value from here on: the default until one is given.
 template <class Integer>
-CLI::Option* add_frame_memory_option(CLI::App& command, Integer& mib) {
+cli::Option add_frame_memory_option(cli::Command command, Integer& mib) {
   mib = static_cast<Integer>(kFrameMemory >> 20);
   return command
       .add_option("--frame-memory", mib,
@@ -23,17 +23,22 @@ CLI::Option* add_frame_memory_option(CLI::App& command, Integer& mib) {
                               "that would need more are refused, because a few bytes can claim "
                               "millions of points; this also limits the time that a frame takes",
                               mib))
-      ->check(CLI::Range(1, 1 << 20))
-      ->type_name("MIB");
+      .check(cli::range(1, 1 << 20))
+      .type_name("MIB");
 }
 
 /// Three numbers such as 90,0,0.
 Result<glm::dvec3> parse_degrees(const std::string& text);
 
 /// --topic, for recordings of several.
-CLI::Option* add_topic_option(CLI::App& command, std::string& topic);
+cli::Option add_topic_option(cli::Command command, std::string& topic);
 
 /// --scale and --rotate, for files that were captured in other units or axes.
-std::vector<CLI::Option*> add_placement_options(CLI::App& command, Placement& placement);
+std::vector<cli::Option> add_placement_options(cli::Command command, Placement& placement);
+
+/// What is wrong with the value of an option for a token, on the command line, in a configuration
+/// file or in the environment; empty if nothing. Somebody who sets a token to nothing, as in
+/// "--token $UNSET", does not mean that none is needed.
+std::string fault_of_token(cli::Option option);
 
 }  // namespace pointreel

@@ -7,11 +7,10 @@
 
 #include "common/base/try.h"
 #include "common/base/write_file.h"
-#include "common/command_line/command_table.h"
 #include "common/command_line/completion.h"
 #include "common/command_line/manual.h"
 
-namespace pointreel {
+namespace pointreel::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,15 +27,14 @@ Result<void> write(const fs::path& file, const std::string& text) {
 
 }  // namespace
 
-Result<void> write_manuals(const CLI::App& program, const fs::path& folder) {
-  const std::vector<Command> commands = commands_of(program);
-  for (const Command& command : commands)
+Result<void> write_manuals(const std::vector<CommandEntry>& commands, const fs::path& folder) {
+  for (const CommandEntry& command : commands)
     TRY(write(folder / "man/man1" / (manual_name(command) + ".1"), manual_page(command)));
-  const std::string name = program.get_name();
+  const std::string name = commands.front().path.front();
   TRY(write(folder / "bash-completion/completions" / name, bash_completion(commands)));
   TRY(write(folder / "zsh/vendor-completions" / ("_" + name), zsh_completion(commands)));
   TRY(write(folder / "fish/vendor_completions.d" / (name + ".fish"), fish_completion(commands)));
   return {};
 }
 
-}  // namespace pointreel
+}  // namespace pointreel::cli

@@ -9,7 +9,7 @@
 
 #include "common/base/stop_signal.h"
 #include "common/base/words.h"
-#include "common/command_line/option_checks.h"
+#include "common/command_line/command.h"
 #include "server/commands.h"
 #include "server/edit/cut_package.h"
 #include "server/edit/join_packages.h"
@@ -97,51 +97,51 @@ int run_join(JoinArguments arguments) {
   return kExitOk;
 }
 
-void add_output(CLI::App& command, std::filesystem::path& output, bool& force) {
+void add_output(cli::Command command, std::filesystem::path& output, bool& force) {
   command.add_option("-o,--output", output, "the folder of the new package")
-      ->required()
-      ->type_name("REEL");
+      .required()
+      .type_name("REEL");
   command.add_flag("--force", force, "replace a package that is already there");
 }
 
-void add_cut_command(CLI::App& app, int& exit_code) {
+void add_cut_command(cli::Command app, int& exit_code) {
   const auto a = std::make_shared<CutArguments>();
-  CLI::App* command = app.add_subcommand(
+  const cli::Command command = app.add_subcommand(
       "cut",
       "Make a package of a part of another one, without encoding anything again\n"
       "Segments stay whole, so a little more than asked for is kept at either end: up to a second "
       "of a recording, and up to the frames of a segment (pack --segment, 30) of what was packed. "
       "Sound is cut, too.");
-  command->add_option("INPUT", a->reel, "the folder or the address of the package")
-      ->required()
-      ->type_name("");
-  add_output(*command, a->options.output, a->options.force);
-  CLI::Option* from =
+  command.add_option("INPUT", a->reel, "the folder or the address of the package")
+      .required()
+      .type_name("");
+  add_output(command, a->options.output, a->options.force);
+  const cli::Option from =
       command
-          ->add_option("--from", a->from,
-                       "keep what is shown from this time of the reel on (default: its beginning)")
-          ->check(number_within(0.0, 1e9))
-          ->type_name("SECONDS");
-  CLI::Option* to =
+          .add_option("--from", a->from,
+                      "keep what is shown from this time of the reel on (default: its beginning)")
+          .check(cli::number_within(0.0, 1e9))
+          .type_name("SECONDS");
+  const cli::Option to =
       command
-          ->add_option("--to", a->to,
-                       "keep what is shown before this time of the reel (default: its end)")
-          ->check(number_within(0.0, 1e9))
-          ->type_name("SECONDS");
+          .add_option("--to", a->to,
+                      "keep what is shown before this time of the reel (default: its end)")
+          .check(cli::number_within(0.0, 1e9))
+          .type_name("SECONDS");
   command
-      ->add_option("--frames", a->frames,
-                   "instead of times: keep frames A to B, including both, or only frame A, "
-                   "numbered from 0")
-      ->type_name("A-B")
-      ->excludes(from)
-      ->excludes(to);
-  add_store_options(*command, a->http);
-  command->callback([a, &exit_code] { exit_code = run_cut(*a); });
+      .add_option("--frames", a->frames,
+                  "instead of times: keep frames A to B, including both, or only frame A, "
+                  "numbered from 0")
+      .type_name("A-B")
+      .excludes(from)
+      .excludes(to);
+  add_store_options(command, a->http);
+  command.callback([a, &exit_code] { exit_code = run_cut(*a); });
 }
 
-void add_join_command(CLI::App& app, int& exit_code) {
+void add_join_command(cli::Command app, int& exit_code) {
   const auto a = std::make_shared<JoinArguments>();
-  CLI::App* command = app.add_subcommand(
+  const cli::Command command = app.add_subcommand(
       "join",
       "Make one package of several, such as recordings of one stream, without encoding anything "
       "again\n"
@@ -149,19 +149,19 @@ void add_join_command(CLI::App& app, int& exit_code) {
       "layers, frame rate, up axis, colours, normals and scalar fields. Sound is joined, too. "
       "(pack join is for parts of a plan.)");
   command
-      ->add_option("INPUTS", a->reels,
-                   "the folders or the addresses of the packages, in the order in which they are "
-                   "shown")
-      ->required()
-      ->type_name("");
-  add_output(*command, a->options.output, a->options.force);
-  add_store_options(*command, a->http);
-  command->callback([a, &exit_code] { exit_code = run_join(*a); });
+      .add_option("INPUTS", a->reels,
+                  "the folders or the addresses of the packages, in the order in which they are "
+                  "shown")
+      .required()
+      .type_name("");
+  add_output(command, a->options.output, a->options.force);
+  add_store_options(command, a->http);
+  command.callback([a, &exit_code] { exit_code = run_join(*a); });
 }
 
 }  // namespace
 
-void add_edit_commands(CLI::App& app, int& exit_code) {
+void add_edit_commands(cli::Command app, int& exit_code) {
   add_cut_command(app, exit_code);
   add_join_command(app, exit_code);
 }

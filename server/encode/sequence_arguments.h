@@ -4,9 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "codec/sequence/encoding_options.h"
+#include "common/command_line/command.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
 #include "pointreel/error.h"
@@ -23,37 +22,37 @@ struct SequenceArguments {
 
   /// Adds the options to a command, which this object must outlive. The texts complete the
   /// descriptions of --name and --frame-time.
-  void add_to(CLI::App& command, const char* default_name, const char* about_frame_time);
+  void add_to(cli::Command command, const char* default_name, const char* about_frame_time);
 
   /// Declares an option of the command that makes sense only with one codec, or only with
   /// Entropy::context.
-  CLI::Option* only_with(Codec of, CLI::Option* option);
-  CLI::Option* only_with_context(CLI::Option* option);
+  cli::Option only_with(Codec of, cli::Option option);
+  cli::Option only_with_context(cli::Option option);
 
   /// Whether the axis that points up is to be taken from files whose format tells it: it was not
   /// given, and they are not turned.
   bool up_of_files() const;
   /// Whether the times of frames are to be taken from recordings: --fps was not given.
-  bool times_of_files() const { return fps_->count() == 0; }
+  bool times_of_files() const { return fps_.count() == 0; }
 
   /// What was given; an error if some of it does not go together.
   Result<EncodingOptions> options() const;
 
  private:
-  const CLI::Option *up_ = nullptr, *fps_ = nullptr;
-  void add_octree_options(CLI::App& command);
-  void add_scalar_options(CLI::App& command);
-  void add_draco_options(CLI::App& command);
+  cli::Option up_, fps_;
+  void add_octree_options(cli::Command command);
+  void add_scalar_options(cli::Command command);
+  void add_draco_options(cli::Command command);
 
-  std::vector<std::pair<Codec, const CLI::Option*>> of_codec_;
-  std::vector<const CLI::Option*> of_context_;
+  std::vector<std::pair<Codec, cli::Option>> of_codec_;
+  std::vector<cli::Option> of_context_;
 };
 
 /// An option with a value for each of some words.
 template <class T>
-CLI::Option* add_choice(CLI::App& command, const char* flag, T& value,
-                        const std::vector<std::pair<std::string, T>>& choices,
-                        const char* description) {
+cli::Option add_choice(cli::Command command, const char* flag, T& value,
+                       const std::vector<std::pair<std::string, T>>& choices,
+                       const char* description) {
   std::vector<std::string> words;
   std::string chosen;
   for (const auto& [word, meaning] : choices) {
@@ -66,8 +65,8 @@ CLI::Option* add_choice(CLI::App& command, const char* flag, T& value,
     }
   };
   return command.add_option_function<std::string>(flag, set, description)
-      ->check(CLI::IsMember(words))
-      ->default_str(chosen);
+      .check(cli::one_of(words))
+      .default_str(chosen);
 }
 
 }  // namespace pointreel

@@ -40,18 +40,18 @@ int run_audio(const AudioArguments& arguments) {
 
 }  // namespace
 
-void add_audio_command(CLI::App& app, int& exit_code) {
+void add_audio_command(cli::Command app, int& exit_code) {
   const auto a = std::make_shared<AudioArguments>();
-  CLI::App* command =
+  const cli::Command command =
       app.add_subcommand("audio", "Give a package sound, replace its sound, or remove it");
-  command->add_option("REEL", a->reel, "the folder of the package")->required()->type_name("");
+  command.add_option("REEL", a->reel, "the folder of the package").required().type_name("");
   command
-      ->add_option("FILE", a->source,
-                   "any file that ffmpeg reads and that has sound, a video too; what is longer "
-                   "than the reel is cut off")
-      ->type_name("");
-  command->add_flag("--remove", a->remove, "leave the package without sound");
-  command->callback([a, &exit_code] { exit_code = run_audio(*a); });
+      .add_option("FILE", a->source,
+                  "any file that ffmpeg reads and that has sound, a video too; what is longer "
+                  "than the reel is cut off")
+      .type_name("");
+  command.add_flag("--remove", a->remove, "leave the package without sound");
+  command.callback([a, &exit_code] { exit_code = run_audio(*a); });
 }
 
 }  // namespace pointreel

@@ -16,7 +16,7 @@
 #include "common/base/progress.h"
 #include "common/base/stop_signal.h"
 #include "common/base/words.h"
-#include "common/command_line/option_checks.h"
+#include "common/command_line/command.h"
 #include "common/command_line/shared_options.h"
 #include "common/stream/json_fields.h"
 #include "common/stream/manifest.h"
@@ -311,7 +311,7 @@ std::optional<PointsFormat> points_format_of(const std::string& word) {
   return std::nullopt;
 }
 
-void add_unpack_command(CLI::App& app, int& exit_code) {
+void add_unpack_command(cli::Command app, int& exit_code) {
   struct Arguments {
     std::string input, output, frames;
     HttpOptions http = patient_http_options();
@@ -324,62 +324,60 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
     std::string format = "ply";
   };
   const auto a = std::make_shared<Arguments>();
-  CLI::App* unpack =
+  const cli::Command unpack =
       app.add_subcommand("unpack", "Decode a package into files of points or meshes");
-  unpack->add_option("-i,--input", a->input, "the folder or the address of the package")
-      ->required()
-      ->type_name("REEL");
+  unpack.add_option("-i,--input", a->input, "the folder or the address of the package")
+      .required()
+      .type_name("REEL");
   unpack
-      ->add_option("-o,--output", a->output, "the folder in which frame_00000.ply, ... are written")
-      ->required()
-      ->type_name("FOLDER");
-  CLI::Option* layers =
+      .add_option("-o,--output", a->output, "the folder in which frame_00000.ply, ... are written")
+      .required()
+      .type_name("FOLDER");
+  const cli::Option layers =
       unpack
-          ->add_option("--layers", a->layers,
-                       "decode only this many layers, from the base (default: all)")
-          ->check(CLI::Range(1, 255));
+          .add_option("--layers", a->layers,
+                      "decode only this many layers, from the base (default: all)")
+          .check(cli::range(1, 255));
   unpack
-      ->add_option("--frames", a->frames,
-                   "decode only frames A to B, including both, or only frame A, numbered from 0")
-      ->type_name("A-B");
-  add_frame_memory_option(*unpack, a->frame_memory);
-  add_store_options(*unpack, a->http);
-  CLI::Option* mesh = unpack->add_flag("--mesh", a->mesh,
-                                       "make a surface of triangles from the points of each frame");
+      .add_option("--frames", a->frames,
+                  "decode only frames A to B, including both, or only frame A, numbered from 0")
+      .type_name("A-B");
+  add_frame_memory_option(unpack, a->frame_memory);
+  add_store_options(unpack, a->http);
+  const cli::Option mesh = unpack.add_flag(
+      "--mesh", a->mesh, "make a surface of triangles from the points of each frame");
   unpack
-      ->add_option("--format", a->format,
-                   "of points: ply, pcd, las, npz (numpy) or mcap (one ROS 2 recording of all "
-                   "frames); of meshes: ply, obj or glb, which is binary glTF")
-      ->check(CLI::IsMember({"ply", "pcd", "las", "npz", "mcap", "obj", "glb"}))
-      ->capture_default_str();
+      .add_option("--format", a->format,
+                  "of points: ply, pcd, las, npz (numpy) or mcap (one ROS 2 recording of all "
+                  "frames); of meshes: ply, obj or glb, which is binary glTF")
+      .check(cli::one_of({"ply", "pcd", "las", "npz", "mcap", "obj", "glb"}))
+      .capture_default_str();
   unpack
-      ->add_flag("--animation", a->animation,
-                 "write one file, animation.glb, which plays all frames; needs --format glb")
-      ->needs(mesh);
+      .add_flag("--animation", a->animation,
+                "write one file, animation.glb, which plays all frames; needs --format glb")
+      .needs(mesh);
   unpack
-      ->add_option(
-          "--cell", a->cell,
-          "the edge of the cells in which a mesh follows the surface, in the units of the "
-          "source; edges of triangles are about as long (default: 1.5 times the spacing of "
-          "the points)")
-      ->check(positive_number())
-      ->type_name("LENGTH")
-      ->needs(mesh);
+      .add_option("--cell", a->cell,
+                  "the edge of the cells in which a mesh follows the surface, in the units of the "
+                  "source; edges of triangles are about as long (default: 1.5 times the spacing of "
+                  "the points)")
+      .check(cli::positive_number())
+      .type_name("LENGTH")
+      .needs(mesh);
   unpack
-      ->add_option("--triangles", a->triangles,
-                   "reduce each mesh to this many triangles, or as far as its shape allows "
-                   "(default: all)")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30))
-      ->type_name("N")
-      ->needs(mesh);
-  unpack->add_flag("--force", a->force,
-                   "replace a folder of unpacked frames that is already there");
-  unpack->callback([a, layers, &exit_code] {
+      .add_option("--triangles", a->triangles,
+                  "reduce each mesh to this many triangles, or as far as its shape allows "
+                  "(default: all)")
+      .check(cli::range(std::size_t{1}, std::size_t{1} << 30))
+      .type_name("N")
+      .needs(mesh);
+  unpack.add_flag("--force", a->force, "replace a folder of unpacked frames that is already there");
+  unpack.callback([a, layers, &exit_code] {
     UnpackOptions options;
     options.output = a->output;
     options.force = a->force;
     options.max_memory = a->frame_memory << 20;
-    if (layers->count() > 0) options.layers = a->layers;
+    if (layers.count() > 0) options.layers = a->layers;
     const auto mesh_format = mesh_format_of(a->format);
     const auto points_format = points_format_of(a->format);
     options.recording = a->format == "mcap";
@@ -406,7 +404,7 @@ void add_unpack_command(CLI::App& app, int& exit_code) {
 
 }  // namespace
 
-void add_inspect_commands(CLI::App& app, int& exit_code) {
+void add_inspect_commands(cli::Command app, int& exit_code) {
   struct Arguments {
     std::string reel;
     bool json = false;
@@ -414,23 +412,24 @@ void add_inspect_commands(CLI::App& app, int& exit_code) {
     HttpOptions http = patient_http_options();
   };
   const auto add = [&](const char* name, const char* what, const std::shared_ptr<Arguments>& a) {
-    CLI::App* command = app.add_subcommand(name, what);
+    const cli::Command command = app.add_subcommand(name, what);
     command
-        ->add_option("REEL", a->reel,
-                     "the folder of the package, or its address: http://, https:// or s3://")
-        ->required()
-        ->type_name("");
-    add_store_options(*command, a->http);
-    command->add_flag("--json", a->json, "print JSON");
+        .add_option("REEL", a->reel,
+                    "the folder of the package, or its address: http://, https:// or s3://")
+        .required()
+        .type_name("");
+    add_store_options(command, a->http);
+    command.add_flag("--json", a->json, "print JSON");
     return command;
   };
   const auto a = std::make_shared<Arguments>();
-  add("info", "Show what a package contains", a)->callback([a, &exit_code] {
+  add("info", "Show what a package contains", a).callback([a, &exit_code] {
     exit_code = run_info(a->reel, a->json, a->http);
   });
-  CLI::App* verify = add("verify", "Check every file of a package and decode every frame", a);
-  add_frame_memory_option(*verify, a->frame_memory);
-  verify->callback([a, &exit_code] {
+  const cli::Command verify =
+      add("verify", "Check every file of a package and decode every frame", a);
+  add_frame_memory_option(verify, a->frame_memory);
+  verify.callback([a, &exit_code] {
     exit_code = run_verify(a->reel, a->json, a->frame_memory << 20, a->http);
   });
   add_unpack_command(app, exit_code);

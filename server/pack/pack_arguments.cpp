@@ -30,8 +30,8 @@ Result<double> parse_bitrate(const std::string& text) {
 
 }  // namespace
 
-void PackArguments::add_to(CLI::App& command) {
-  command_ = &command;
+void PackArguments::add_to(cli::Command command) {
+  command_ = command;
   input_ = command
                .add_option(
                    "-i,--input", options_.inputs,
@@ -39,14 +39,14 @@ void PackArguments::add_to(CLI::App& command) {
                    "KITTI, nuScenes, MCAP), and of depth (a folder with depth/*.png, or .mkv, with "
                    "intrinsics in JSON); the files of a folder are taken in natural order, so "
                    "that frame2 comes before frame10")
-               ->required()
-               ->type_name("PATH")
-               ->expected(1, -1);
+               .required()
+               .type_name("PATH")
+               .expected(1, -1);
   output_ = command
                 .add_option("-o,--output", options_.output,
                             "the folder of the package; not needed with --to")
-                ->required()
-                ->type_name("FOLDER");
+                .required()
+                .type_name("FOLDER");
   add_topic_option(command, options_.topic);
   add_choice<bool>(command, "--cube", options_.cube_per_frame, {{"group", false}, {"frame", true}},
                    "one cube for all frames of a segment, so that the voxels of resting surfaces "
@@ -56,21 +56,18 @@ void PackArguments::add_to(CLI::App& command) {
           "--bitrate", [this](const std::string& text) { options_.bitrate = *parse_bitrate(text); },
           "bits per second, such as 20M or 800k, that no segment exceeds on average; depth and "
           "qualities are lowered to achieve this")
-      ->check([](const std::string& text) {
-        const Result<double> rate = parse_bitrate(text);
-        return rate ? std::string() : rate.error().message;
-      })
-      ->type_name("RATE");
+      .check(cli::parsed_by(parse_bitrate))
+      .type_name("RATE");
   command
       .add_option("--segment", options_.segment_frames,
                   "frames in a segment; they share a cube and a file")
-      ->check(CLI::Range(1, 100'000))
-      ->capture_default_str();
+      .check(cli::range(1, 100'000))
+      .capture_default_str();
   audio_ = command
                .add_option("--audio", options_.audio,
                            "sound, from any file that ffmpeg reads; what is longer than the frames "
                            "is cut off")
-               ->type_name("FILE");
+               .type_name("FILE");
   sequence_.sequence.clean = CleanOptions{.without_normals = false};
   sequence_.add_to(command, "folder", "the package then depends on the speed of this machine");
   command.add_flag("--best-effort", options_.best_effort,
@@ -98,14 +95,14 @@ Result<PackOptions> PackArguments::options() const {
 
 std::vector<std::string> PackArguments::command_line() const {
   std::vector<std::string> line;
-  for (const CLI::Option* option : command_->get_options()) {
+  for (const cli::Option option : command_.options()) {
     const bool of_the_whole =
         option == input_ || option == output_ || option == force_ || option == audio_;
-    if (option->count() == 0 || of_the_whole) continue;
-    line.push_back("--" + option->get_lnames().front());
-    if (option->get_items_expected_max() == 0) continue;  // a flag
+    if (option.count() == 0 || of_the_whole) continue;
+    line.push_back(option.name());
+    if (option.is_flag()) continue;
     // "--name=value", since a value may begin with a minus sign.
-    const std::vector<std::string>& values = option->results();
+    const std::vector<std::string>& values = option.values();
     line.back() += "=" + values.front();
     line.insert(line.end(), values.begin() + 1, values.end());
   }
@@ -113,23 +110,18 @@ std::vector<std::string> PackArguments::command_line() const {
 }
 
 void PackArguments::require_no_paths() {
-  input_->required(false);
+  input_.required(false);
   require_no_output();
 }
 
-void PackArguments::require_no_output() { output_->required(false); }
+void PackArguments::require_no_output() { output_.required(false); }
 
 Result<PackOptions> parse_pack_command_line(const std::vector<std::string>& arguments) {
-  CLI::App app;
+  cli::Program app;
   PackArguments parsed;
   parsed.add_to(app);
   parsed.require_no_paths();
-  std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
-  try {
-    app.parse(std::move(reversed));
-  } catch (const CLI::Error& error) {
-    return fail(ErrorCode::argument, error.what());
-  }
+  TRY(app.parse(arguments));
   return parsed.options();
 }
 

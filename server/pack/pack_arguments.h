@@ -3,8 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
+#include "common/command_line/command.h"
 #include "pointreel/error.h"
 #include "server/encode/sequence_arguments.h"
 #include "server/pack/pack_options.h"
@@ -15,7 +14,7 @@ namespace pointreel {
 class PackArguments {
  public:
   /// Adds them to a command, which this object must outlive.
-  void add_to(CLI::App& command);
+  void add_to(cli::Command command);
 
   /// What was given; an error if some of it does not go together.
   Result<PackOptions> options() const;
@@ -33,8 +32,8 @@ class PackArguments {
  private:
   PackOptions options_;
   SequenceArguments sequence_;
-  CLI::App* command_ = nullptr;
-  CLI::Option *input_ = nullptr, *output_ = nullptr, *force_ = nullptr, *audio_ = nullptr;
+  cli::Command command_;
+  cli::Option input_, output_, force_, audio_;
 };
 
 /// The options that PackArguments::command_line stands for; without input and output.

@@ -33,7 +33,7 @@ struct PackCommand {
   PackArguments pack;
   UploadOptions upload;  ///< nothing is uploaded if `to` is empty
   std::string json;
-  CLI::Option* json_option = nullptr;
+  cli::Option json_option;
 };
 
 double bits_per_point(std::uint64_t bytes, const PackSummary& summary) {
@@ -173,7 +173,7 @@ int report(const PackCommand& arguments, const PackOptions& options, const PackS
     print_summary(options, summary);
     if (uploaded) print("{}\n", upload_text(to, *uploaded));
   };
-  if (arguments.json_option->count() == 0) {
+  if (arguments.json_option.count() == 0) {
     print_text();
     return kExitOk;
   }
@@ -247,18 +247,18 @@ int run_pack(const PackCommand& arguments) {
 
 }  // namespace
 
-void add_pack_command(CLI::App& app, int& exit_code) {
+void add_pack_command(cli::Command app, int& exit_code) {
   const auto arguments = std::make_shared<PackCommand>();
-  CLI::App* command = app.add_subcommand("pack", "Encode point clouds into a package");
-  arguments->pack.add_to(*command);
+  const cli::Command command = app.add_subcommand("pack", "Encode point clouds into a package");
+  arguments->pack.add_to(command);
   arguments->json_option =
       command
-          ->add_option("--json", arguments->json, "print the summary as JSON, or write it to FILE")
-          ->expected(0, 1)
-          ->type_name("[FILE]");
+          .add_option("--json", arguments->json, "print the summary as JSON, or write it to FILE")
+          .expected(0, 1)
+          .type_name("[FILE]");
   arguments->upload.http = patient_http_options();
   command
-      ->add_option_function<std::string>(
+      .add_option_function<std::string>(
           "--to",
           [arguments](const std::string& to) {
             arguments->upload.to = to;
@@ -266,13 +266,13 @@ void add_pack_command(CLI::App& app, int& exit_code) {
           },
           "upload the package to an object store, s3://BUCKET/REEL; with -o, keep a local copy, "
           "too. Files that are there already are not sent again")
-      ->type_name("ADDRESS");
-  add_store_options(*command, arguments->upload.http);
-  command->callback([arguments, command, &exit_code] {
-    if (command->get_subcommands().empty()) exit_code = run_pack(*arguments);
+      .type_name("ADDRESS");
+  add_store_options(command, arguments->upload.http);
+  command.callback([arguments, command, &exit_code] {
+    if (command.parsed_subcommands().empty()) exit_code = run_pack(*arguments);
   });
-  for (CLI::App* part : add_parts_commands(*command, exit_code))
-    part->preparse_callback([arguments](std::size_t) { arguments->pack.require_no_paths(); });
+  for (const cli::Command part : add_parts_commands(command, exit_code))
+    part.preparse_callback([arguments] { arguments->pack.require_no_paths(); });
 }
 
 }  // namespace pointreel

@@ -114,85 +114,86 @@ int run_submit(const SlurmOptions& options, bool wait) {
   return kExitOk;
 }
 
-CLI::Option* add_output(CLI::App& command, std::filesystem::path& output) {
+cli::Option add_output(cli::Command command, std::filesystem::path& output) {
   return command.add_option("-o,--output", output, "the same as that of pack plan")
-      ->required()
-      ->type_name("FOLDER");
+      .required()
+      .type_name("FOLDER");
 }
 
-CLI::App* add_plan(CLI::App& pack, int& exit_code) {
+cli::Command add_plan(cli::Command pack, int& exit_code) {
   const auto arguments = std::make_shared<PackArguments>();
-  CLI::App* command =
+  const cli::Command command =
       pack.add_subcommand("plan",
                           "Prepare packing in parts, on several machines that share a file system\n"
                           "Then run pack part I/N for each part, and pack join once all are done.");
-  arguments->add_to(*command);
-  command->callback([arguments, &exit_code] { exit_code = run_plan(*arguments); });
+  arguments->add_to(command);
+  command.callback([arguments, &exit_code] { exit_code = run_plan(*arguments); });
   return command;
 }
 
-CLI::App* add_part(CLI::App& pack, int& exit_code) {
+cli::Command add_part(cli::Command pack, int& exit_code) {
   const auto arguments = std::make_shared<PartArguments>();
-  CLI::App* command = pack.add_subcommand(
+  const cli::Command command = pack.add_subcommand(
       "part", "Pack a part of a plan; run again, it goes on with what is missing");
   command
-      ->add_option_function<std::string>(
+      .add_option_function<std::string>(
           "part", [a = arguments.get()](const std::string& text) { a->part = *parse_part(text); },
           "which of how many parts, such as 3/7")
-      ->check([](const std::string& text) {
+      .check({[](const std::string& text) {
         return parse_part(text) ? std::string() : text + " is not a part such as 3/7";
-      })
-      ->required()
-      ->type_name("I/N");
-  add_output(*command, arguments->output);
-  command->add_option("--threads", arguments->threads, "threads; 0: one for each processor")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  command->add_flag("--fail-fast", arguments->fail_fast,
-                    "stop at the first segment that cannot be packed");
-  command->callback([arguments, &exit_code] { exit_code = run_part(*arguments); });
+      }})
+      .required()
+      .type_name("I/N");
+  add_output(command, arguments->output);
+  command.add_option("--threads", arguments->threads, "threads; 0: one for each processor")
+      .check(cli::range(0, 1024))
+      .capture_default_str();
+  command.add_flag("--fail-fast", arguments->fail_fast,
+                   "stop at the first segment that cannot be packed");
+  command.callback([arguments, &exit_code] { exit_code = run_part(*arguments); });
   return command;
 }
 
-CLI::App* add_join(CLI::App& pack, int& exit_code) {
+cli::Command add_join(cli::Command pack, int& exit_code) {
   const auto output = std::make_shared<std::filesystem::path>();
-  CLI::App* command = pack.add_subcommand("join", "Make the package of the parts of a plan");
-  add_output(*command, *output);
-  command->callback([output, &exit_code] { exit_code = run_join(*output); });
+  const cli::Command command =
+      pack.add_subcommand("join", "Make the package of the parts of a plan");
+  add_output(command, *output);
+  command.callback([output, &exit_code] { exit_code = run_join(*output); });
   return command;
 }
 
-CLI::App* add_submit(CLI::App& pack, int& exit_code) {
+cli::Command add_submit(cli::Command pack, int& exit_code) {
   struct Arguments {
     SlurmOptions options;
     bool slurm = true, no_wait = false;
   };
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
+  const cli::Command command =
       pack.add_subcommand("submit", "Hand the parts of a plan to the batch system Slurm");
   SlurmOptions& options = arguments->options;
-  command->add_flag("--slurm", arguments->slurm, "hand them to Slurm (the only choice so far)");
-  add_output(*command, options.output);
-  command->add_option("--parts", options.parts, "into how many jobs to divide the work")
-      ->required()
-      ->check(CLI::Range(1, 1'000'000))
-      ->type_name("N");
-  command->add_option("--threads", options.threads, "processors for each job")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  command.add_flag("--slurm", arguments->slurm, "hand them to Slurm (the only choice so far)");
+  add_output(command, options.output);
+  command.add_option("--parts", options.parts, "into how many jobs to divide the work")
+      .required()
+      .check(cli::range(1, 1'000'000))
+      .type_name("N");
+  command.add_option("--threads", options.threads, "processors for each job")
+      .check(cli::range(1, 1024))
+      .capture_default_str();
   command
-      ->add_option("--sbatch", options.sbatch,
-                   "an argument for sbatch, such as --sbatch=--partition=NAME; may be repeated")
-      ->type_name("ARGUMENT");
-  command->add_flag("--no-wait", arguments->no_wait, "return at once instead of showing progress");
-  command->callback(
+      .add_option("--sbatch", options.sbatch,
+                  "an argument for sbatch, such as --sbatch=--partition=NAME; may be repeated")
+      .type_name("ARGUMENT");
+  command.add_flag("--no-wait", arguments->no_wait, "return at once instead of showing progress");
+  command.callback(
       [arguments, &exit_code] { exit_code = run_submit(arguments->options, !arguments->no_wait); });
   return command;
 }
 
 }  // namespace
 
-std::vector<CLI::App*> add_parts_commands(CLI::App& pack, int& exit_code) {
+std::vector<cli::Command> add_parts_commands(cli::Command pack, int& exit_code) {
   pack.require_subcommand(0, 1);
   return {add_plan(pack, exit_code), add_part(pack, exit_code), add_join(pack, exit_code),
           add_submit(pack, exit_code)};

@@ -2,12 +2,12 @@
 
 #include <vector>
 
-#include <CLI/CLI.hpp>
+#include "common/command_line/command.h"
 
 namespace pointreel {
 
 /// Adds `plan`, `part`, `join` and `submit` to the command `pack`, and returns them. When one of
 /// them has run, `exit_code` holds its result.
-std::vector<CLI::App*> add_parts_commands(CLI::App& pack, int& exit_code);
+std::vector<cli::Command> add_parts_commands(cli::Command pack, int& exit_code);
 
 }  // namespace pointreel

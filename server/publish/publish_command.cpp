@@ -13,7 +13,7 @@
 #include "common/base/stop_signal.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
-#include "common/command_line/option_checks.h"
+#include "common/command_line/command.h"
 #include "common/command_line/shared_options.h"
 #include "common/live/frame_sender.h"
 #include "server/commands.h"
@@ -29,13 +29,13 @@ namespace fs = std::filesystem;
 struct PublishArguments {
   std::string input, to, token, ca_file, topic, sound;
   bool loop = false, follow = false, json = false;
-  const CLI::Option* token_option = nullptr;
+  cli::Option token_option;
   SequenceArguments sequence;
 };
 
 Result<PublishOptions> make_options(const PublishArguments& arguments) {
   const std::string address = TRY(publishing_address(arguments.to));
-  if (std::string fault = fault_of_token(*arguments.token_option); !fault.empty()) {
+  if (std::string fault = fault_of_token(arguments.token_option); !fault.empty()) {
     return fail(ErrorCode::argument, std::move(fault));
   }
   if (arguments.input == "-" && (arguments.loop || arguments.follow)) {
@@ -142,49 +142,49 @@ int run_publish(const PublishArguments& arguments) {
 
 }  // namespace
 
-void add_publish_command(CLI::App& app, int& exit_code) {
+void add_publish_command(cli::Command app, int& exit_code) {
   const auto arguments = std::make_shared<PublishArguments>();
   PublishArguments& a = *arguments;
-  CLI::App* command = app.add_subcommand(
+  const cli::Command command = app.add_subcommand(
       "publish",
       "Encode frames as they come and send them to a server, until there are no more or SIGINT\n"
       "Players show the stream from ws://HOST:PORT/live/NAME. A lost connection is restored. The "
       "exit code is 1 if the server has accepted no frame.");
   command
-      ->add_option(
+      .add_option(
           "-i,--input", a.input,
           "a folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, nuScenes, "
           "MCAP) or of depth cameras (depth/*.png or .mkv), or one such file, played at --fps or "
           "at its recorded times; or - for standard input: for each frame its size in four bytes, "
           "little endian, and then a PLY, Draco, PCD, LAS or glTF file")
-      ->required()
-      ->type_name("FOLDER|-");
-  add_topic_option(*command, a.topic);
-  command->add_option("--to", a.to, "where to publish: ws://HOST:PORT/live/NAME, or wss://")
-      ->required()
-      ->type_name("URL");
-  a.token_option = command->add_option("--token", a.token, "the server's token for publishers")
-                       ->envname("POINTREEL_TOKEN");
+      .required()
+      .type_name("FOLDER|-");
+  add_topic_option(command, a.topic);
+  command.add_option("--to", a.to, "where to publish: ws://HOST:PORT/live/NAME, or wss://")
+      .required()
+      .type_name("URL");
+  a.token_option = command.add_option("--token", a.token, "the server's token for publishers")
+                       .envname("POINTREEL_TOKEN");
   command
-      ->add_option("--ca-file", a.ca_file,
-                   "for wss://: certificates to trust instead of the system's, in PEM form")
-      ->type_name("FILE");
+      .add_option("--ca-file", a.ca_file,
+                  "for wss://: certificates to trust instead of the system's, in PEM form")
+      .type_name("FILE");
   command
-      ->add_option(
+      .add_option(
           "--audio", a.sound,
           "send sound, too: a file that ffmpeg reads, which begins with the first frame, or "
           "microphone (ALSA's default device)")
-      ->type_name("FILE|microphone");
-  CLI::Option* loop = command->add_flag("--loop", a.loop, "play the folder again and again");
+      .type_name("FILE|microphone");
+  const cli::Option loop = command.add_flag("--loop", a.loop, "play the folder again and again");
   command
-      ->add_flag("--follow", a.follow,
-                 "instead of playing the folder, send its newest file, and then each file when it "
-                 "appears")
-      ->excludes(loop);
+      .add_flag("--follow", a.follow,
+                "instead of playing the folder, send its newest file, and then each file when it "
+                "appears")
+      .excludes(loop);
   a.sequence.octree.entropy = Entropy::zstd;  // decodes in half the time of context, 25 % larger
-  a.sequence.add_to(*command, "stream", "default: 80 % of the frame interval");
-  command->add_flag("--json", a.json, "print the summary as JSON");
-  command->callback([arguments, &exit_code] { exit_code = run_publish(*arguments); });
+  a.sequence.add_to(command, "stream", "default: 80 % of the frame interval");
+  command.add_flag("--json", a.json, "print the summary as JSON");
+  command.callback([arguments, &exit_code] { exit_code = run_publish(*arguments); });
 }
 
 }  // namespace pointreel

@@ -15,8 +15,7 @@
 
 #include "common/base/print.h"
 #include "common/base/try.h"
-#include "common/command_line/option_checks.h"
-#include "common/command_line/program.h"
+#include "common/command_line/shared_options.h"
 #include "server/commands.h"
 #include "server/relay/relay.h"
 #include "server/relay/upstream.h"
@@ -41,7 +40,7 @@ struct ServeArguments {
   std::vector<std::string> relay_from;
   std::string relay_token, relay_ca;
   std::filesystem::path relay_token_file;
-  const CLI::Option *view_token = nullptr, *publish_token = nullptr, *relay_token_option = nullptr;
+  cli::Option view_token, publish_token, relay_token_option;
 };
 
 /// Each connection may need its socket and one file, but the usual soft limit is 1024 descriptors.
@@ -68,9 +67,9 @@ Result<HttpServerOptions> options_of(const ServeArguments& arguments) {
   HttpServerOptions options = arguments.options;
   options.listen = TRY(parse_listen_address(arguments.listen));
   options.service.log = TRY(parse_log_level(arguments.log));
-  for (const CLI::Option* token :
+  for (const cli::Option token :
        {arguments.view_token, arguments.publish_token, arguments.relay_token_option}) {
-    if (std::string fault = fault_of_token(*token); !fault.empty()) {
+    if (std::string fault = fault_of_token(token); !fault.empty()) {
       return fail(ErrorCode::argument, std::move(fault));
     }
   }
@@ -281,9 +280,9 @@ Result<void> serve(const ServeArguments& arguments, const std::vector<std::strin
 namespace {
 
 /// Adds the command and its options, which write to `arguments`.
-CLI::App* define_serve(CLI::App& app, const std::shared_ptr<ServeArguments>& arguments) {
+cli::Command define_serve(cli::Command app, const std::shared_ptr<ServeArguments>& arguments) {
   HttpServerOptions& options = arguments->options;
-  CLI::App* command = app.add_subcommand(
+  const cli::Command command = app.add_subcommand(
       "serve",
       "Serve packages and live streams over HTTP until SIGINT or SIGTERM\n"
       "The package in folder NAME is served at /NAME. GET / lists all packages, /healthz answers "
@@ -293,128 +292,125 @@ CLI::App* define_serve(CLI::App& app, const std::shared_ptr<ServeArguments>& arg
       "the command line and this file are read again: packages, the view and publish tokens, and "
       "the certificate; tokens for relaying are read only at the start. Packages in a folder are "
       "found while it is served.");
-  app.set_config(
-         "--config", "",
-         "Read a command's options from FILE (TOML): a line [COMMAND], then lines NAME = VALUE")
-      ->type_name("FILE");
-  // Misspelt options are errors in the file, as they are on the command line.
-  app.allow_config_extras(CLI::config_extras_mode::error);
-  command->allow_config_extras(CLI::config_extras_mode::error);
-  command->fallthrough();
   command
-      ->add_option("reels", arguments->reels,
-                   "the folders of packages; a folder that holds packages stands for all of them")
-      ->type_name("REEL");
+      .add_config(
+          "--config",
+          "Read a command's options from FILE (TOML): a line [COMMAND], then lines NAME = VALUE")
+      .type_name("FILE");
   command
-      ->add_option("--listen", arguments->listen,
-                   "where to listen; port 0 takes a free port, and 0.0.0.0 means all addresses of "
-                   "this machine")
-      ->type_name("ADDRESS:PORT")
-      ->capture_default_str();
+      .add_option("reels", arguments->reels,
+                  "the folders of packages; a folder that holds packages stands for all of them")
+      .type_name("REEL");
   command
-      ->add_option("--max-connections", options.max_connections,
-                   "connections at a time; a further one replaces an idle one, or gets 503")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
+      .add_option("--listen", arguments->listen,
+                  "where to listen; port 0 takes a free port, and 0.0.0.0 means all addresses of "
+                  "this machine")
+      .type_name("ADDRESS:PORT")
+      .capture_default_str();
   command
-      ->add_option("--max-connections-per-address", options.max_connections_per_address,
-                   "connections at a time from one address; clients behind a proxy share its "
-                   "address")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
+      .add_option("--max-connections", options.max_connections,
+                  "connections at a time; a further one replaces an idle one, or gets 503")
+      .check(cli::range(1, 1'000'000))
+      .capture_default_str();
   command
-      ->add_option("--max-requests", options.requests_per_second,
-                   "requests per second from one address; further ones get 429; 0: unlimited")
-      ->check(number_within(0.0, 1e9))
-      ->type_name("RATE")
-      ->capture_default_str();
-  CLI::Option* live = command->add_flag(
+      .add_option("--max-connections-per-address", options.max_connections_per_address,
+                  "connections at a time from one address; clients behind a proxy share its "
+                  "address")
+      .check(cli::range(1, 1'000'000))
+      .capture_default_str();
+  command
+      .add_option("--max-requests", options.requests_per_second,
+                  "requests per second from one address; further ones get 429; 0: unlimited")
+      .check(cli::number_within(0.0, 1e9))
+      .type_name("RATE")
+      .capture_default_str();
+  const cli::Option live = command.add_flag(
       "--live", arguments->live, "also relay live streams, which pointreel-server publish sends");
   command
-      ->add_option("--record", arguments->record,
-                   "record live streams as packages NAME, NAME-2, ... in this folder")
-      ->type_name("FOLDER")
-      ->needs(live);
+      .add_option("--record", arguments->record,
+                  "record live streams as packages NAME, NAME-2, ... in this folder")
+      .type_name("FOLDER")
+      .needs(live);
   command
-      ->add_option("--relay-from", arguments->relay_from,
-                   "also relay the live streams of another server, ws(s)://HOST/live, or one of "
-                   "them, ws(s)://HOST/live/NAME; NAME=URL renames them: * in NAME stands for the "
-                   "name on that server, as in 'paris-*=ws://HOST/live'; may be repeated")
-      ->type_name("[NAME=]URL")
-      ->allow_extra_args(false)
-      ->needs(live);
+      .add_option("--relay-from", arguments->relay_from,
+                  "also relay the live streams of another server, ws(s)://HOST/live, or one of "
+                  "them, ws(s)://HOST/live/NAME; NAME=URL renames them: * in NAME stands for the "
+                  "name on that server, as in 'paris-*=ws://HOST/live'; may be repeated")
+      .type_name("[NAME=]URL")
+      .allow_extra_args(false)
+      .needs(live);
   arguments->relay_token_option =
       command
-          ->add_option("--relay-token", arguments->relay_token,
-                       "the view token of the servers named by --relay-from")
-          ->type_name("TOKEN")
-          ->envname("POINTREEL_RELAY_TOKEN");
+          .add_option("--relay-token", arguments->relay_token,
+                      "the view token of the servers named by --relay-from")
+          .type_name("TOKEN")
+          .envname("POINTREEL_RELAY_TOKEN");
   command
-      ->add_option("--relay-token-file", arguments->relay_token_file,
-                   "a file with a view token for each server that --relay-from names: lines of "
-                   "ws(s)://HOST[:PORT], blanks and the token. A token is sent to its own server "
-                   "only; servers without a line get --relay-token")
-      ->type_name("FILE");
+      .add_option("--relay-token-file", arguments->relay_token_file,
+                  "a file with a view token for each server that --relay-from names: lines of "
+                  "ws(s)://HOST[:PORT], blanks and the token. A token is sent to its own server "
+                  "only; servers without a line get --relay-token")
+      .type_name("FILE");
   command
-      ->add_option("--relay-ca-file", arguments->relay_ca,
-                   "for wss: trust the certificates in this PEM file instead of the system's")
-      ->type_name("FILE");
+      .add_option("--relay-ca-file", arguments->relay_ca,
+                  "for wss: trust the certificates in this PEM file instead of the system's")
+      .type_name("FILE");
   arguments->view_token =
       command
-          ->add_option("--view-token", options.service.view_token,
-                       "serve only requests with this token: Authorization: Bearer TOKEN")
-          ->type_name("TOKEN")
-          ->envname("POINTREEL_VIEW_TOKEN");
+          .add_option("--view-token", options.service.view_token,
+                      "serve only requests with this token: Authorization: Bearer TOKEN")
+          .type_name("TOKEN")
+          .envname("POINTREEL_VIEW_TOKEN");
   arguments->publish_token =
       command
-          ->add_option("--publish-token", options.service.publish_token,
-                       "accept only publishers with this token; without one, only programs on this "
-                       "machine may publish, and only if the server listens on loopback alone")
-          ->type_name("TOKEN")
-          ->envname("POINTREEL_PUBLISH_TOKEN");
-  command->add_flag("--allow-local-publish", options.service.allow_local_publish,
-                    "without a publish token, let connections from this machine publish although "
-                    "the server listens on other addresses too; do not use it behind a proxy on "
-                    "this machine, because all its clients then look local");
+          .add_option("--publish-token", options.service.publish_token,
+                      "accept only publishers with this token; without one, only programs on this "
+                      "machine may publish, and only if the server listens on loopback alone")
+          .type_name("TOKEN")
+          .envname("POINTREEL_PUBLISH_TOKEN");
+  command.add_flag("--allow-local-publish", options.service.allow_local_publish,
+                   "without a publish token, let connections from this machine publish although "
+                   "the server listens on other addresses too; do not use it behind a proxy on "
+                   "this machine, because all its clients then look local");
   command
-      ->add_option("--allow-origin", arguments->origins,
-                   "let pages of this origin, such as https://example.org, read what the server "
-                   "answers and connect to live streams; * for all pages; may be repeated")
-      ->type_name("ORIGIN")
-      ->allow_extra_args(false);
-  command->add_flag(
+      .add_option("--allow-origin", arguments->origins,
+                  "let pages of this origin, such as https://example.org, read what the server "
+                  "answers and connect to live streams; * for all pages; may be repeated")
+      .type_name("ORIGIN")
+      .allow_extra_args(false);
+  command.add_flag(
       "--no-page", arguments->no_page,
       "give browsers JSON and redirects, as other programs get, instead of the page that plays");
   command
-      ->add_option("--log", arguments->log,
-                   "what to write to standard error, as JSON lines: debug, info (each request), "
-                   "warning, error or off")
-      ->type_name("LEVEL")
-      ->capture_default_str();
+      .add_option("--log", arguments->log,
+                  "what to write to standard error, as JSON lines: debug, info (each request), "
+                  "warning, error or off")
+      .type_name("LEVEL")
+      .capture_default_str();
   command
-      ->add_option("--max-message", options.max_message,
-                   "size of the largest message that a publisher may send; 4M means 4 MiB")
-      ->transform(CLI::AsSizeValue(false))
-      ->check(CLI::Range(kMaxLiveText, kLiveHeaderSize + kMaxLiveLayer))
-      ->capture_default_str();
+      .add_option("--max-message", options.max_message,
+                  "size of the largest message that a publisher may send; 4M means 4 MiB")
+      .in_bytes()
+      .check(cli::range(kMaxLiveText, kLiveHeaderSize + kMaxLiveLayer))
+      .capture_default_str();
   command
-      ->add_option(
+      .add_option(
           "--publish-rate", options.publish_rate,
           "bytes per second that a publisher may send before it is slowed down; 0: unlimited")
-      ->check(number_within(0.0, 1e12))
-      ->type_name("BYTES")
-      ->capture_default_str();
+      .check(cli::number_within(0.0, 1e12))
+      .type_name("BYTES")
+      .capture_default_str();
   command
-      ->add_option("--least-rate", options.least_rate,
-                   "lowest average rate, in bytes per second, of a publisher's message once it has "
-                   "begun, after five seconds of grace; 0: no limit")
-      ->check(number_within(0.0, 1e9))
-      ->type_name("BYTES")
-      ->capture_default_str();
+      .add_option("--least-rate", options.least_rate,
+                  "lowest average rate, in bytes per second, of a publisher's message once it has "
+                  "begun, after five seconds of grace; 0: no limit")
+      .check(cli::number_within(0.0, 1e9))
+      .type_name("BYTES")
+      .capture_default_str();
   const auto add_count = [command](const char* flag, std::size_t& value, const char* description) {
-    command->add_option(flag, value, description)
-        ->check(CLI::Range(1, 1'000'000))
-        ->capture_default_str();
+    command.add_option(flag, value, description)
+        .check(cli::range(1, 1'000'000))
+        .capture_default_str();
   };
   add_count("--max-hellos", options.max_hellos,
             "publishers at a time that have connected but not yet sent their hello; further ones "
@@ -422,10 +418,10 @@ CLI::App* define_serve(CLI::App& app, const std::shared_ptr<ServeArguments>& arg
   add_count("--max-hellos-per-address", options.max_hellos_per_address,
             "as --max-hellos, for publishers from one address");
   const auto add_size = [command](const char* flag, std::size_t& value, const char* description) {
-    command->add_option(flag, value, description)
-        ->transform(CLI::AsSizeValue(false))
-        ->check(CLI::Range(kMaxLiveText, std::size_t{1} << 40))
-        ->capture_default_str();
+    command.add_option(flag, value, description)
+        .in_bytes()
+        .check(cli::range(kMaxLiveText, std::size_t{1} << 40))
+        .capture_default_str();
   };
   add_size(
       "--max-unfinished", options.max_unfinished,
@@ -434,35 +430,36 @@ CLI::App* define_serve(CLI::App& app, const std::shared_ptr<ServeArguments>& arg
   add_size("--max-unfinished-per-address", options.max_unfinished_per_address,
            "as --max-unfinished, for publishers from one address");
   command
-      ->add_option("--publisher-grace", arguments->grace,
-                   "for how long a stream's name is kept for a publisher that has lost its "
-                   "connection")
-      ->check(number_within(0.0, 86400.0))
-      ->type_name("SECONDS")
-      ->capture_default_str();
-  command->add_option("--threads", options.threads, "threads that serve; 0: one for each processor")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  CLI::Option* certificate =
+      .add_option("--publisher-grace", arguments->grace,
+                  "for how long a stream's name is kept for a publisher that has lost its "
+                  "connection")
+      .check(cli::number_within(0.0, 86400.0))
+      .type_name("SECONDS")
+      .capture_default_str();
+  command.add_option("--threads", options.threads, "threads that serve; 0: one for each processor")
+      .check(cli::range(0, 1024))
+      .capture_default_str();
+  const cli::Option certificate =
       command
-          ->add_option("--certificate", options.certificate,
-                       "serve over TLS: the certificate and those that signed it, in PEM form")
-          ->type_name("FILE");
-  command
-      ->add_option("--key", options.key,
-                   "the key of the certificate in PEM form, without a password")
-      ->type_name("FILE")
-      ->needs(certificate);
-  certificate->needs("--key");
+          .add_option("--certificate", options.certificate,
+                      "serve over TLS: the certificate and those that signed it, in PEM form")
+          .type_name("FILE");
+  const cli::Option key =
+      command
+          .add_option("--key", options.key,
+                      "the key of the certificate in PEM form, without a password")
+          .type_name("FILE")
+          .needs(certificate);
+  certificate.needs(key);
   const auto add_seconds = [command](const char* flag, std::chrono::milliseconds& value,
                                      const char* description) {
     const auto set = [&value](double seconds) {
       value = std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000.0));
     };
-    command->add_option_function<double>(flag, set, description)
-        ->check(number_within(0.1, 86400.0))
-        ->type_name("SECONDS")
-        ->default_str(fmt::format("{:g}", std::chrono::duration<double>(value).count()));
+    command.add_option_function<double>(flag, set, description)
+        .check(cli::number_within(0.1, 86400.0))
+        .type_name("SECONDS")
+        .default_str(fmt::format("{:g}", std::chrono::duration<double>(value).count()));
   };
   add_seconds("--header-timeout", options.header_timeout,
               "close a connection if the head of a request, or the hello of a publisher, takes "
@@ -474,24 +471,22 @@ CLI::App* define_serve(CLI::App& app, const std::shared_ptr<ServeArguments>& arg
   return command;
 }
 
-Result<ServeArguments> Rereading::parse_again(const std::vector<std::string>& command_line) try {
-  CLI::App app;
-  add_common_options(app);
+Result<ServeArguments> Rereading::parse_again(const std::vector<std::string>& command_line) {
+  cli::Program app;
+  app.add_common_options();
   const auto arguments = std::make_shared<ServeArguments>();
   define_serve(app, arguments);
-  app.parse(std::vector<std::string>(command_line.rbegin(), command_line.rend()));
+  TRY(app.parse(command_line));
   TRY(options_of(*arguments));  // while their options exist
   return *arguments;
-} catch (const CLI::Error& error) {
-  return fail(ErrorCode::argument, error.what());
 }
 
 }  // namespace
 
-void add_serve_command(CLI::App& app, int& exit_code, std::vector<std::string> command_line) {
+void add_serve_command(cli::Command app, int& exit_code, std::vector<std::string> command_line) {
   const auto arguments = std::make_shared<ServeArguments>();
-  CLI::App* command = define_serve(app, arguments);
-  command->callback([arguments, &exit_code, command_line = std::move(command_line)] {
+  const cli::Command command = define_serve(app, arguments);
+  command.callback([arguments, &exit_code, command_line = std::move(command_line)] {
     const auto served = serve(*arguments, command_line);
     if (served) return;
     print_error(served.error().message);

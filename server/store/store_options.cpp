@@ -12,18 +12,18 @@ HttpOptions patient_http_options() {
   return options;
 }
 
-void add_store_options(CLI::App& command, HttpOptions& options) {
+void add_store_options(cli::Command command, HttpOptions& options) {
   command
       .add_option("--endpoint", options.endpoint,
                   "the object store that s3:// means, such as http://127.0.0.1:9000 (default: "
                   "AWS_ENDPOINT_URL, or Amazon's); its keys are read from the environment or from "
                   "~/.aws, as Amazon's programs do")
-      ->type_name("URL");
+      .type_name("URL");
   command
       .add_option("--ca-file", options.ca_file,
                   "certificates to trust for https:// instead of the system's, in PEM form")
-      ->check(CLI::ExistingFile)
-      ->type_name("FILE");
+      .check(cli::existing_file())
+      .type_name("FILE");
 }
 
 }  // namespace pointreel

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
-
+#include "common/command_line/command.h"
 #include "common/http/http_options.h"
 
 namespace pointreel {
@@ -10,6 +9,6 @@ namespace pointreel {
 HttpOptions patient_http_options();
 
 /// --endpoint and --ca-file.
-void add_store_options(CLI::App& command, HttpOptions& options);
+void add_store_options(cli::Command command, HttpOptions& options);
 
 }  // namespace pointreel

@@ -42,22 +42,22 @@ int run_upload(UploadArguments arguments) {
 
 }  // namespace
 
-void add_upload_command(CLI::App& app, int& exit_code) {
+void add_upload_command(cli::Command app, int& exit_code) {
   const auto a = std::make_shared<UploadArguments>();
   a->options.http = patient_http_options();
-  CLI::App* command = app.add_subcommand(
+  const cli::Command command = app.add_subcommand(
       "upload",
       "Upload a package into an object store that speaks S3\n"
       "Players read it from there. What is there already is not sent again, so an upload that was "
       "interrupted goes on.");
-  command->add_option("REEL", a->reel, "the folder of the package")->required()->type_name("");
-  command->add_option("TO", a->options.to, "where to: s3://BUCKET/REEL")->required()->type_name("");
-  add_store_options(*command, a->options.http);
-  command->add_flag("--follow", a->options.follow,
-                    "keep uploading what a growing recording adds, until it ends");
-  command->add_flag("--force", a->options.force, "replace another reel that is there");
-  command->add_flag("--json", a->json, "print the summary as JSON");
-  command->callback([a, &exit_code] { exit_code = run_upload(*a); });
+  command.add_option("REEL", a->reel, "the folder of the package").required().type_name("");
+  command.add_option("TO", a->options.to, "where to: s3://BUCKET/REEL").required().type_name("");
+  add_store_options(command, a->options.http);
+  command.add_flag("--follow", a->options.follow,
+                   "keep uploading what a growing recording adds, until it ends");
+  command.add_flag("--force", a->options.force, "replace another reel that is there");
+  command.add_flag("--json", a->json, "print the summary as JSON");
+  command.callback([a, &exit_code] { exit_code = run_upload(*a); });
 }
 
 }  // namespace pointreel

@@ -12,7 +12,7 @@
 #include "codec/cloud_file.h"
 #include "common/base/print.h"
 #include "common/base/try.h"
-#include "common/command_line/option_checks.h"
+#include "common/command_line/command.h"
 #include "tests/bench/output.h"
 #include "tests/distance/distance.h"
 
@@ -184,11 +184,11 @@ Result<void> compare(const Options& options) {
 
 }  // namespace
 
-void add_compare_command(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand(
+void add_compare_command(cli::Command app, int& exit_code) {
+  const cli::Command command = app.add_subcommand(
       "compare",
       "the distance between two clouds: D1, D2 and their PSNR, maximum, colours, normals");
-  command->footer(
+  command.footer(
       "D1 is the mean squared distance from each point to its nearest neighbour in the other\n"
       "cloud, and D2 is the same along the normals of A. The table shows the square roots of "
       "both.\n"
@@ -196,27 +196,27 @@ void add_compare_command(CLI::App& app, int& exit_code) {
       "10 log10(255^2 / mean square) of Y'CbCr (BT.709). \"Symmetric\" is the worse of the two\n"
       "directions. The table leaves out rows for attributes that the files do not have.");
   auto options = std::make_shared<Options>();
-  command->add_option("A", options->a, "the reference, .ply or .drc")->required();
-  command->add_option("B", options->b, "the cloud to compare with it, .ply or .drc")->required();
+  command.add_option("A", options->a, "the reference, .ply or .drc").required();
+  command.add_option("B", options->b, "the cloud to compare with it, .ply or .drc").required();
   command
-      ->add_option("--peak", options->peak,
-                   "the peak of PSNR in the units of the files, such as 1023 for 10-bit voxels\n"
-                   "[the largest extent of A]")
-      ->check(positive_number());
+      .add_option("--peak", options->peak,
+                  "the peak of PSNR in the units of the files, such as 1023 for 10-bit voxels\n"
+                  "[the largest extent of A]")
+      .check(cli::positive_number());
   command
-      ->add_option("--bits", options->bits,
-                   "also show distances in voxels, where the peak is 2^bits - 1 voxels; if all\n"
-                   "coordinates of A are whole numbers, a voxel is 1 unit")
-      ->check(CLI::Range(1, 31));
-  const CLI::Option* json =
+      .add_option("--bits", options->bits,
+                  "also show distances in voxels, where the peak is 2^bits - 1 voxels; if all\n"
+                  "coordinates of A are whole numbers, a voxel is 1 unit")
+      .check(cli::range(1, 31));
+  const cli::Option json =
       command
-          ->add_option("--json", options->json,
-                       "write all figures as JSON to FILE; without FILE, or with -, print them\n"
-                       "instead of the table. Infinite figures are null")
-          ->expected(0, 1)
-          ->type_name("[FILE]");
-  command->callback([options, json, &exit_code] {
-    if (json->count() > 0 && options->json.empty()) options->json = "-";
+          .add_option("--json", options->json,
+                      "write all figures as JSON to FILE; without FILE, or with -, print them\n"
+                      "instead of the table. Infinite figures are null")
+          .expected(0, 1)
+          .type_name("[FILE]");
+  command.callback([options, json, &exit_code] {
+    if (json.count() > 0 && options->json.empty()) options->json = "-";
     const auto done = compare(*options);
     if (!done) print_error("pointreel-bench", done.error().message);
     exit_code = done ? 0 : 1;

@@ -6,14 +6,12 @@
 #include <iterator>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "common/base/print.h"
 #include "common/base/standard_output.h"
 #include "common/base/words.h"
-#include "common/command_line/option_checks.h"
-#include "common/command_line/program.h"
+#include "common/command_line/command.h"
 #include "tests/link/link_emulator.h"
 
 namespace {
@@ -48,7 +46,7 @@ int report(const pointreel::Error& error) {
 namespace {
 
 int run(int argc, char** argv) {
-  CLI::App app{
+  pointreel::cli::Program app{
       "Emulates a bad network: a TCP proxy with a limited rate, a delay and faults. It listens on "
       "127.0.0.1, passes connections on to another address, and runs until it is interrupted.",
       "pointreel-link"};
@@ -57,23 +55,23 @@ int run(int argc, char** argv) {
   std::string rate = "0", script_path;
   double delay = 0.0;
   app.add_option("--to", options.target, "the address to pass connections on to")
-      ->required()
-      ->type_name("HOST:PORT");
+      .required()
+      .type_name("HOST:PORT");
   app.add_option("--port", options.port, "the port to listen on; 0: any free port")
-      ->type_name("PORT")
-      ->capture_default_str();
+      .type_name("PORT")
+      .capture_default_str();
   app.add_option("--rate", rate, "bits per second in each direction, such as 5M; 0: no limit")
-      ->type_name("RATE")
-      ->capture_default_str();
+      .type_name("RATE")
+      .capture_default_str();
   app.add_option("--delay", delay, "milliseconds one way, which is half of the round trip")
-      ->check(pointreel::number_within(0.0, 60'000.0))
-      ->type_name("MS")
-      ->capture_default_str();
+      .check(pointreel::cli::number_within(0.0, 60'000.0))
+      .type_name("MS")
+      .capture_default_str();
   app.add_option("--script", script_path, "a file of changes over time; see below")
-      ->type_name("FILE");
+      .type_name("FILE");
   using namespace pointreel;
-  add_common_options(app);
-  if (const auto status = parse(app, argc, argv)) return *status;
+  app.add_common_options();
+  if (const auto status = app.parse(argc, argv)) return *status;
 
   LinkScript script{{std::chrono::milliseconds(0), "rate " + rate},
                     {std::chrono::milliseconds(0), fmt::format("delay {}", delay)}};

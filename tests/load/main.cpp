@@ -3,21 +3,19 @@
 #include <cstdio>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "common/base/print.h"
 #include "common/base/standard_output.h"
 #include "common/base/words.h"
-#include "common/command_line/option_checks.h"
-#include "common/command_line/program.h"
+#include "common/command_line/command.h"
 #include "tests/load/load_generator.h"
 
 namespace {
 
 int run(int argc, char** argv) {
-  CLI::App app{
+  pointreel::cli::Program app{
       "Simulates many viewers of a package or a live stream and measures how late their frames "
       "arrive. The viewers decode nothing.",
       "pointreel-load"};
@@ -27,19 +25,19 @@ int run(int argc, char** argv) {
   app.add_option("url", options.url,
                  "http://ADDRESS:PORT/NAME for a package, ws://ADDRESS:PORT/live/NAME for a live "
                  "stream; ADDRESS must be numeric, such as 127.0.0.1")
-      ->required();
-  app.add_option("--viewers", options.viewers, "number of viewers")->capture_default_str();
+      .required();
+  app.add_option("--viewers", options.viewers, "number of viewers").capture_default_str();
   app.add_option("--seconds", options.seconds, "how long to measure")
-      ->check(pointreel::positive_number())
-      ->capture_default_str();
+      .check(pointreel::cli::positive_number())
+      .capture_default_str();
   app.add_option("--warm-up", options.warm_up, "seconds before the measurement starts")
-      ->check(pointreel::number_within(0.0, 86'400.0))
-      ->capture_default_str();
+      .check(pointreel::cli::number_within(0.0, 86'400.0))
+      .capture_default_str();
   app.add_option("--token", options.token, "bearer token, if the server requires one");
   app.add_flag("--json", json, "print the figures as JSON");
   using namespace pointreel;
-  add_common_options(app);
-  if (const auto status = parse(app, argc, argv)) return *status;
+  app.add_common_options();
+  if (const auto status = app.parse(argc, argv)) return *status;
   const auto figures = run_load(options);
   if (!figures) {
     print_error("pointreel-load", figures.error().message);

@@ -4,17 +4,16 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "common/base/print.h"
-#include "common/command_line/program.h"
+#include "common/command_line/command.h"
 #include "tests/soak/scenario.h"
 #include "tests/temporary_folder.h"
 
 int main(int argc, char** argv) {
   using namespace pointreel::soak;
-  CLI::App app{
+  pointreel::cli::Program app{
       "Streams packages and live streams at the same time, over links that slow down, break, "
       "corrupt bytes and recover.",
       "pointreel_soak"};
@@ -22,11 +21,11 @@ int main(int argc, char** argv) {
   int seconds = 10;
   Options options;
   app.add_option("--seconds", seconds, "duration of the scenarios, which run at the same time")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
-  app.add_option("--seed", options.seed, "seed of the random numbers")->capture_default_str();
-  pointreel::add_common_options(app);
-  if (const auto status = pointreel::parse(app, argc, argv)) return *status;
+      .check(pointreel::cli::range(1, 1'000'000))
+      .capture_default_str();
+  app.add_option("--seed", options.seed, "seed of the random numbers").capture_default_str();
+  app.add_common_options();
+  if (const auto status = app.parse(argc, argv)) return *status;
   options.time = std::chrono::seconds(seconds);
 
   const pointreel::TemporaryFolder scratch;

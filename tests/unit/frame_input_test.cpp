@@ -386,22 +386,17 @@ TEST(UnreadProperties, are_named_once) {
 }
 
 /// The usage error that `publish` prints for a command line it refuses.
-std::string usage_error(std::vector<std::string> arguments) {
-  CLI::App app;
+std::string usage_error(const std::vector<std::string>& arguments) {
+  cli::Program app;
   int code = -1;
   add_publish_command(app, code);
   testing::internal::CaptureStderr();
   std::vector<std::string> all = {"publish"};
   all.insert(all.end(), arguments.begin(), arguments.end());
-  std::reverse(all.begin(), all.end());
-  std::string refusal;
-  try {
-    app.parse(all);
-  } catch (const CLI::ParseError& error) {
-    code = 2;
-    refusal = error.what();
-  }
-  refusal += testing::internal::GetCapturedStderr();
+  const auto parsed = app.parse(all);
+  if (!parsed) code = 2;
+  const std::string refusal =
+      (parsed ? "" : parsed.error().message) + testing::internal::GetCapturedStderr();
   return code == 2 ? refusal : "accepted with " + std::to_string(code);
 }
 

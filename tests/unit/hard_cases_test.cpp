@@ -126,13 +126,14 @@ struct Packed {
 
 /// Packs a file or folder as a user would.
 Packed pack_command(const std::filesystem::path& from, const std::filesystem::path& reel) {
-  CLI::App app;
+  cli::Program app;
   Packed packed;
   add_pack_command(app, packed.code);
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
-  app.parse(std::vector<std::string>{"1", "--threads", "frame", "--cube", reel.string(), "-o",
-                                     from.string(), "-i", "pack"});
+  const auto parsed = app.parse(
+      {"pack", "-i", from.string(), "-o", reel.string(), "--cube", "frame", "--threads", "1"});
+  EXPECT_TRUE(parsed) << parsed.error().message;
   std::fflush(stdout);
   testing::internal::GetCapturedStdout();
   packed.errors = testing::internal::GetCapturedStderr();

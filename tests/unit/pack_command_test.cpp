@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "common/command_line/program.h"
+#include "common/command_line/command.h"
 #include "common/stream/manifest.h"
 #include "server/commands.h"
 #include "tests/unit/packed_reel.h"
@@ -21,25 +21,19 @@ struct Outcome {
   std::string out, errors;
 };
 
-/// Runs a command line of pointreel-server in this process. The exit code is 2 if CLI11 rejects it.
-Outcome run(std::vector<std::string> arguments) {
+/// Runs a command line of pointreel-server in this process. The exit code is 2 if it is refused.
+Outcome run(const std::vector<std::string>& arguments) {
   Outcome outcome;
-  CLI::App app;
+  cli::Program app;
   add_pack_command(app, outcome.code);
   add_inspect_commands(app, outcome.code);
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
-  std::reverse(arguments.begin(), arguments.end());
-  std::string refusal;
-  try {
-    app.parse(arguments);
-  } catch (const CLI::ParseError& error) {
-    outcome.code = kExitUsage;
-    refusal = error.what();
-  }
+  const auto parsed = app.parse(arguments);
+  if (!parsed) outcome.code = kExitUsage;
   std::fflush(stdout);
   outcome.out = testing::internal::GetCapturedStdout();
-  outcome.errors = testing::internal::GetCapturedStderr() + refusal;
+  outcome.errors = testing::internal::GetCapturedStderr() + (parsed ? "" : parsed.error().message);
   return outcome;
 }
 
@@ -354,19 +348,19 @@ TEST_F(PackCommand, unpack_writes_only_the_requested_range_of_frames) {
 /// A line that ends early in the middle of a sentence comes from a line break in the source.
 TEST(ServerHelp, breaks_the_lines_of_descriptions_only_where_the_next_word_does_not_fit) {
   int code = 0;
-  CLI::App app("Description", "pointreel-server");
+  cli::Program app("Description", "pointreel-server");
   add_pack_command(app, code);
   add_inspect_commands(app, code);
   add_publish_command(app, code);
   add_serve_command(app, code, {});
-  add_common_options(app);
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    std::istringstream lines(command->help());
+  app.add_common_options();
+  for (const cli::Command command : app.subcommands()) {
+    std::istringstream lines(command.help());
     std::string last;
     for (std::string line; std::getline(lines, line) && !line.starts_with("Usage:"); last = line) {
       EXPECT_LE(line.size(), 80u) << line;
       if (line.empty() || line[0] < 'a' || line[0] > 'z') continue;
-      EXPECT_GT(last.size() + 1 + line.find(' '), 80u) << command->get_name() << ": " << last;
+      EXPECT_GT(last.size() + 1 + line.find(' '), 80u) << command.name() << ": " << last;
     }
   }
 }

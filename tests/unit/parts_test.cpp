@@ -306,10 +306,11 @@ TEST_F(Parts, do_not_trust_a_damaged_plan) {
 }
 
 TEST(PackCommandLine, stands_for_the_options_that_were_given) {
-  CLI::App app;
+  cli::Program app;
   PackArguments arguments;
   arguments.add_to(app);
-  app.parse("-i a b -o out --force --depth 9 --bitrate 2M --best-effort --name '-x y'");
+  ASSERT_TRUE(app.parse({"-i", "a", "b", "-o", "out", "--force", "--depth", "9", "--bitrate", "2M",
+                         "--best-effort", "--name", "-x y"}));
   EXPECT_THAT(
       arguments.command_line(),
       testing::UnorderedElementsAre("--depth=9", "--bitrate=2M", "--best-effort", "--name=-x y"));

@@ -1,18 +1,16 @@
 #include "client/app/play_command.h"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "client/options/option_table.h"
 #include "client/options/option_text.h"
-#include "common/command_line/help_formatter.h"
+#include "common/command_line/option_words.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel {
@@ -25,16 +23,11 @@ using testing::Not;
 class PlayCommandTest : public testing::Test {
  protected:
   Result<PlayOptions> parse(std::vector<std::string> arguments) {
-    app_ = std::make_unique<CLI::App>();
-    app_->formatter(std::make_shared<HelpFormatter>());
+    app_ = std::make_unique<cli::Program>();
     command_ = std::make_unique<PlayCommand>(*app_);
+    app_->add_common_options();
     arguments.insert(arguments.begin(), {"play", "reel"});
-    std::reverse(arguments.begin(), arguments.end());
-    try {
-      app_->parse(arguments);
-    } catch (const CLI::ParseError& error) {
-      return fail(ErrorCode::argument, error.what());
-    }
+    if (const auto parsed = app_->parse(arguments); !parsed) return tl::unexpected(parsed.error());
     return command_->options();
   }
   /// What is wrong with these arguments.
@@ -45,7 +38,7 @@ class PlayCommandTest : public testing::Test {
 
   const TemporaryFolder folder_;
   std::unique_ptr<PlayCommand> command_;
-  std::unique_ptr<CLI::App> app_;  ///< ends first
+  std::unique_ptr<cli::Program> app_;  ///< ends first
 };
 
 TEST_F(PlayCommandTest, without_options_everything_is_at_its_default) {
@@ -184,7 +177,7 @@ TEST_F(PlayCommandTest, offscreen_reads_only_a_file_that_is_named_and_keeps_its_
 
 TEST_F(PlayCommandTest, help_shows_every_option_of_the_table_with_its_default_in_80_columns) {
   ASSERT_TRUE(parse({}));
-  const std::string help = app_->get_subcommand("play")->help();
+  const std::string help = app_->subcommands().front().help();
   for (const Option& option : option_table()) {
     if (option.help.empty()) continue;
     EXPECT_THAT(help, HasSubstr(command_line_name(option.name)));
@@ -198,20 +191,18 @@ TEST_F(PlayCommandTest, help_shows_every_option_of_the_table_with_its_default_in
     EXPECT_LE(end - begin, 80u) << help.substr(begin, end - begin);
 }
 
-TEST(HelpFormatter, says_what_an_option_accepts_without_the_names_of_types) {
-  CLI::App app("An app.\nMore about it.", "app");
-  app.formatter(std::make_shared<HelpFormatter>());
+TEST(Help, says_what_an_option_accepts_without_the_names_of_types) {
+  cli::Program app("An app.\nMore about it.", "app");
   int number = 5;
   double share = 0.0;
   std::string word = "one", place, file, named;
-  app.add_option("--number", number, "a number")->check(CLI::Range(0, 21))->capture_default_str();
-  app.add_option("--share", share, "a share (of all)")->check(CLI::Range(0.0, 1e9));
-  app.add_option("--word", word, "a word")
-      ->check(CLI::IsMember(std::vector<std::string>{"one", "two"}))
-      ->capture_default_str();
-  app.add_option("--place", place, "a place")->type_name("HOST:PORT")->required();
-  app.add_option("--file", file, "ldc: a file")->type_name("FILE.pem")->check(CLI::ExistingFile);
-  app.add_option("--named", named, "a name")->envname("NAMED");
+  app.add_option("--number", number, "a number").check(cli::range(0, 21)).capture_default_str();
+  app.add_option("--share", share, "a share (of all)").check(cli::range(0.0, 1e9));
+  app.add_option("--word", word, "a word").check(cli::one_of({"one", "two"})).capture_default_str();
+  app.add_option("--place", place, "a place").type_name("HOST:PORT").required();
+  app.add_option("--file", file, "ldc: a file").type_name("FILE.pem").check(cli::existing_file());
+  app.add_option("--named", named, "a name").envname("NAMED");
+  app.add_common_options();
   const std::string help = app.help();
   for (const char* line :
        {"--number N              A number (0 to 21; default 5)\n",
@@ -223,9 +214,9 @@ TEST(HelpFormatter, says_what_an_option_accepts_without_the_names_of_types) {
 }
 
 TEST(Wrap, breaks_between_words_only) {
-  EXPECT_EQ(wrap("one two three", 7), "one two\nthree");
-  EXPECT_EQ(wrap("incomprehensibilities", 7), "incomprehensibilities");
-  EXPECT_EQ(wrap("", 7), "");
+  EXPECT_EQ(cli::wrap("one two three", 7), "one two\nthree");
+  EXPECT_EQ(cli::wrap("incomprehensibilities", 7), "incomprehensibilities");
+  EXPECT_EQ(cli::wrap("", 7), "");
 }
 
 TEST_F(PlayCommandTest, colours_may_be_those_of_a_scalar_field) {

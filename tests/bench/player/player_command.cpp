@@ -5,7 +5,7 @@
 
 namespace pointreel::bench {
 
-void add_player_command(CLI::App& app, int& exit_code) {
+void add_player_command(cli::Command app, int& exit_code) {
   add_chapters_command(
       app, exit_code, "player",
       "measures the window: start, dragging the timeline, interface; prints each bar",

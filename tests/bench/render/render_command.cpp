@@ -207,26 +207,25 @@ Result<void> write_files(const Options& options, const json& report) {
 
 }  // namespace
 
-void add_render_command(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand(
+void add_render_command(cli::Command app, int& exit_code) {
+  const cli::Command command = app.add_subcommand(
       "render", "compares pictures of every mode with the true surface, and times them");
   const auto options = std::make_shared<Options>();
+  command.add_option("-o,--output", options->folder, "folder to write to, created if it is missing")
+      .capture_default_str();
+  command.add_option("--scene", options->scenes, "only this scene; may be repeated");
   command
-      ->add_option("-o,--output", options->folder, "folder to write to, created if it is missing")
-      ->capture_default_str();
-  command->add_option("--scene", options->scenes, "only this scene; may be repeated");
-  command
-      ->add_option("--poses", options->poses,
-                   "number of poses of each scanned sequence, evenly spread")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_flag("--quick", options->quick, "two small scenes and few runs, in half a minute");
-  command->add_flag("--software", options->only_software,
-                    "only the software renderer, beside software OpenGL");
-  command->add_flag("--gpu", options->gpu, "fail on software OpenGL");
-  command->add_option("--json", options->json,
-                      "also write the report to this file; - is standard output");
-  command->callback([options, &exit_code] {
+      .add_option("--poses", options->poses,
+                  "number of poses of each scanned sequence, evenly spread")
+      .check(cli::range(1, 1000))
+      .capture_default_str();
+  command.add_flag("--quick", options->quick, "two small scenes and few runs, in half a minute");
+  command.add_flag("--software", options->only_software,
+                   "only the software renderer, beside software OpenGL");
+  command.add_flag("--gpu", options->gpu, "fail on software OpenGL");
+  command.add_option("--json", options->json,
+                     "also write the report to this file; - is standard output");
+  command.callback([options, &exit_code] {
     const auto report = write_render_report(*options);
     const auto written = report ? write_files(*options, *report) : tl::unexpected(report.error());
     if (written) return;

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "common/command_line/command.h"
 
 namespace pointreel::bench {
 
 /// `pointreel-bench render`: compares pictures of every sequence in every mode with the ray-cast
 /// truth. Writes report.md, report.json and PNG files.
-void add_render_command(CLI::App& app, int& exit_code);
+void add_render_command(cli::Command app, int& exit_code);
 
 }  // namespace pointreel::bench

@@ -55,28 +55,28 @@ Result<void> write_truth(const Options& options) {
 
 }  // namespace
 
-void add_truth_command(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand(
+void add_truth_command(cli::Command app, int& exit_code) {
+  const cli::Command command = app.add_subcommand(
       "truth", "records the true surface of a sequence by casting rays, like play --record");
   const auto options = std::make_shared<Options>();
-  command->add_option("SEQUENCE", options->sequence, "a name that pointreel-synth --list shows")
-      ->required();
-  command->add_option("--record", options->record, "a video (.mp4, .mkv, .webm) or out-%04d.png")
-      ->required();
-  command->add_option("--camera", options->camera, "file with the camera path, including targets")
-      ->required();
-  command->add_option("--frames", options->frames, "stop after this many frames")
-      ->check(CLI::Range(1, 100'000));
-  command->add_option("--width", options->width, "width of the pictures in pixels")
-      ->check(CLI::Range(1, 4096))
-      ->capture_default_str();
-  command->add_option("--height", options->height, "height of the pictures in pixels")
-      ->check(CLI::Range(1, 4096))
-      ->capture_default_str();
-  command->add_option("--supersample", options->supersample, "rays per pixel along each side")
-      ->check(CLI::Range(1, 4))
-      ->capture_default_str();
-  command->callback([options, &exit_code] {
+  command.add_option("SEQUENCE", options->sequence, "a name that pointreel-synth --list shows")
+      .required();
+  command.add_option("--record", options->record, "a video (.mp4, .mkv, .webm) or out-%04d.png")
+      .required();
+  command.add_option("--camera", options->camera, "file with the camera path, including targets")
+      .required();
+  command.add_option("--frames", options->frames, "stop after this many frames")
+      .check(cli::range(1, 100'000));
+  command.add_option("--width", options->width, "width of the pictures in pixels")
+      .check(cli::range(1, 4096))
+      .capture_default_str();
+  command.add_option("--height", options->height, "height of the pictures in pixels")
+      .check(cli::range(1, 4096))
+      .capture_default_str();
+  command.add_option("--supersample", options->supersample, "rays per pixel along each side")
+      .check(cli::range(1, 4))
+      .capture_default_str();
+  command.callback([options, &exit_code] {
     const auto written = write_truth(*options);
     if (written) return;
     print_error("pointreel-bench", written.error().message);

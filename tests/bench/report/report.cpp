@@ -273,19 +273,19 @@ Result<void> write_report(const fs::path& folder, bool quick) {
 
 }  // namespace
 
-void add_report_command(CLI::App& app, int& exit_code) {
+void add_report_command(cli::Command app, int& exit_code) {
   struct Options {
     std::string folder = "report";
     bool quick = false;
   };
-  CLI::App* command = app.add_subcommand(
+  const cli::Command command = app.add_subcommand(
       "report", "sizes, speeds and errors of everything, as report.md, report.json and plots");
   const auto options = std::make_shared<Options>();
-  command->add_option("-o,--output", options->folder, "the folder to write to; created if missing")
-      ->type_name("DIR")
-      ->capture_default_str();
-  command->add_flag("--quick", options->quick, "few poses, settings and runs; takes a minute");
-  command->callback([options, &exit_code] {
+  command.add_option("-o,--output", options->folder, "the folder to write to; created if missing")
+      .type_name("DIR")
+      .capture_default_str();
+  command.add_flag("--quick", options->quick, "few poses, settings and runs; takes a minute");
+  command.callback([options, &exit_code] {
     const auto written = write_report(options->folder, options->quick);
     if (written) return;
     print_error("pointreel-bench", written.error().message);

@@ -116,58 +116,58 @@ Result<void> run_scale(Options& options) {
 
 }  // namespace
 
-void add_scale_command(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand(
+void add_scale_command(cli::Command app, int& exit_code) {
+  const cli::Command command = app.add_subcommand(
       "scale",
       "computes what a long reel costs to pack, to store, and to deliver to many viewers through "
       "caches, by repeating what real viewers asked for");
   const auto options = std::make_shared<Options>();
-  command->add_option("REEL", options->reel, "the package whose frames the long reel has")
-      ->required();
+  command.add_option("REEL", options->reel, "the package whose frames the long reel has")
+      .required();
   command
-      ->add_option("LOG", options->logs,
-                   "what pointreel-server serve --log info wrote while one viewer watched; each "
-                   "viewer repeats one of them")
-      ->required();
-  command->add_option("--log-rate", options->log_rate, "frames per second of what they watched")
-      ->check(CLI::Range(1.0, 1000.0))
-      ->capture_default_str();
+      .add_option("LOG", options->logs,
+                  "what pointreel-server serve --log info wrote while one viewer watched; each "
+                  "viewer repeats one of them")
+      .required();
+  command.add_option("--log-rate", options->log_rate, "frames per second of what they watched")
+      .check(cli::range(1.0, 1000.0))
+      .capture_default_str();
   command
-      ->add_option("--pack-ms", options->pack_ms,
-                   "processor time that packing a frame takes, in milliseconds")
-      ->check(CLI::Range(0.0, 1e9));
-  command->add_option("--hours", options->planned.hours, "length of the long reel")
-      ->check(CLI::Range(0.01, 1000.0))
-      ->capture_default_str();
-  command->add_option("--fps", options->planned.frame_rate, "its frames per second")
-      ->check(CLI::Range(1.0, 1000.0))
-      ->capture_default_str();
-  command->add_option("--viewers", options->audience.viewers, "how many watch")
-      ->check(CLI::Range(1u, 10'000'000u))
-      ->capture_default_str();
+      .add_option("--pack-ms", options->pack_ms,
+                  "processor time that packing a frame takes, in milliseconds")
+      .check(cli::range(0.0, 1e9));
+  command.add_option("--hours", options->planned.hours, "length of the long reel")
+      .check(cli::range(0.01, 1000.0))
+      .capture_default_str();
+  command.add_option("--fps", options->planned.frame_rate, "its frames per second")
+      .check(cli::range(1.0, 1000.0))
+      .capture_default_str();
+  command.add_option("--viewers", options->audience.viewers, "how many watch")
+      .check(cli::range(1u, 10'000'000u))
+      .capture_default_str();
   command
-      ->add_option("--arrival", options->audience.arrival_seconds, "they come within these seconds")
-      ->check(CLI::Range(0.0, 1e6))
-      ->capture_default_str();
+      .add_option("--arrival", options->audience.arrival_seconds, "they come within these seconds")
+      .check(cli::range(0.0, 1e6))
+      .capture_default_str();
   command
-      ->add_option("--session", options->audience.session_seconds,
-                   "for how many seconds each watches")
-      ->check(CLI::Range(1.0, 1e6))
-      ->capture_default_str();
+      .add_option("--session", options->audience.session_seconds,
+                  "for how many seconds each watches")
+      .check(cli::range(1.0, 1e6))
+      .capture_default_str();
   command
-      ->add_option("--from-start", options->audience.from_start,
-                   "the share that begins at the start; the others begin anywhere")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command->add_option("--edges", options->edges.count, "number of caches between viewers and store")
-      ->check(CLI::Range(1u, 10'000u))
-      ->capture_default_str();
+      .add_option("--from-start", options->audience.from_start,
+                  "the share that begins at the start; the others begin anywhere")
+      .check(cli::range(0.0, 1.0))
+      .capture_default_str();
+  command.add_option("--edges", options->edges.count, "number of caches between viewers and store")
+      .check(cli::range(1u, 10'000u))
+      .capture_default_str();
   command
-      ->add_option("--cache-gb", options->cache_gigabytes, "sizes of each cache to compute, in GB")
-      ->check(CLI::Range(0.001, 1e6));
-  command->add_option("--json", options->json,
-                      "also write the figures to this file; - is standard output");
-  command->callback([options, &exit_code] {
+      .add_option("--cache-gb", options->cache_gigabytes, "sizes of each cache to compute, in GB")
+      .check(cli::range(0.001, 1e6));
+  command.add_option("--json", options->json,
+                     "also write the figures to this file; - is standard output");
+  command.callback([options, &exit_code] {
     const auto done = run_scale(*options);
     if (done) return;
     print_error("pointreel-bench", done.error().message);

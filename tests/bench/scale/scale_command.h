@@ -1,10 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "common/command_line/command.h"
 
 namespace pointreel::bench {
 
 /// Adds the command that computes what a long reel costs to store and to deliver to many.
-void add_scale_command(CLI::App& app, int& exit_code);
+void add_scale_command(cli::Command app, int& exit_code);
 
 }  // namespace pointreel::bench

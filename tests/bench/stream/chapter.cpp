@@ -51,9 +51,9 @@ Result<json> run_chapters(const std::string& name, const std::vector<StreamChapt
 
 }  // namespace
 
-void add_chapters_command(CLI::App& app, int& exit_code, const std::string& name,
+void add_chapters_command(cli::Command app, int& exit_code, const std::string& name,
                           const std::string& about, const std::vector<StreamChapter>& chapters) {
-  CLI::App* command = app.add_subcommand(name, about);
+  const cli::Command command = app.add_subcommand(name, about);
   const auto options = std::make_shared<ChapterOptions>();
   std::vector<std::string> names;
   std::string list;
@@ -61,16 +61,16 @@ void add_chapters_command(CLI::App& app, int& exit_code, const std::string& name
     names.push_back(chapter.name);
     list += fmt::format("  {:<12} {}\n", chapter.name, chapter.about);
   }
-  command->add_option("--only", options->only, "measure only these chapters")
-      ->check(CLI::IsMember(names))
-      ->type_name("CHAPTER");
-  command->add_flag("--quick", options->quick, "fewer repetitions and frames");
+  command.add_option("--only", options->only, "measure only these chapters")
+      .check(cli::one_of(names))
+      .type_name("CHAPTER");
+  command.add_flag("--quick", options->quick, "fewer repetitions and frames");
   command
-      ->add_option("--json", options->json,
-                   "also write the report to this file; with -, print only the report")
-      ->type_name("FILE");
-  command->footer("Chapters:\n" + list);
-  command->callback([name, chapters, options, &exit_code] {
+      .add_option("--json", options->json,
+                  "also write the report to this file; with -, print only the report")
+      .type_name("FILE");
+  command.footer("Chapters:\n" + list);
+  command.callback([name, chapters, options, &exit_code] {
     const auto report = run_chapters(name, chapters, *options);
     const auto written = !report                 ? tl::unexpected(report.error())
                          : options->json.empty() ? Result<void>{}

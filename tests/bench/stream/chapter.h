@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "common/command_line/command.h"
 #include "pointreel/error.h"
 #include "tests/bench/measure.h"
 
@@ -28,7 +28,7 @@ struct StreamChapter {
 
 /// Adds `pointreel-bench NAME`, which runs all or some of these chapters in their order and prints
 /// their figures and bars.
-void add_chapters_command(CLI::App& app, int& exit_code, const std::string& name,
+void add_chapters_command(cli::Command app, int& exit_code, const std::string& name,
                           const std::string& about, const std::vector<StreamChapter>& chapters);
 
 }  // namespace pointreel::bench

@@ -13,7 +13,7 @@
 
 namespace pointreel::bench {
 
-void add_stream_command(CLI::App& app, int& exit_code) {
+void add_stream_command(cli::Command app, int& exit_code) {
   add_chapters_command(
       app, exit_code, "stream",
       "streaming: first pictures, seeks, bad links, live, many viewers and memory",

@@ -173,19 +173,19 @@ Result<void> write_surface_report(const fs::path& folder, bool quick) {
 
 }  // namespace
 
-void add_surface_command(CLI::App& app, int& exit_code) {
+void add_surface_command(cli::Command app, int& exit_code) {
   struct Options {
     std::string folder = "surface";
     bool quick = false;
   };
-  CLI::App* command = app.add_subcommand(
+  const cli::Command command = app.add_subcommand(
       "surface", "cleaning noisy sequences: sizes, speeds, and errors against the true surface");
   const auto options = std::make_shared<Options>();
-  command->add_option("-o,--output", options->folder, "the folder to write to; created if missing")
-      ->type_name("DIR")
-      ->capture_default_str();
-  command->add_flag("--quick", options->quick, "two frames and few settings; takes a minute");
-  command->callback([options, &exit_code] {
+  command.add_option("-o,--output", options->folder, "the folder to write to; created if missing")
+      .type_name("DIR")
+      .capture_default_str();
+  command.add_flag("--quick", options->quick, "two frames and few settings; takes a minute");
+  command.callback([options, &exit_code] {
     const auto written = write_surface_report(options->folder, options->quick);
     if (written) return;
     print_error("pointreel-bench", written.error().message);

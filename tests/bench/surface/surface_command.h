@@ -1,11 +1,11 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "common/command_line/command.h"
 
 namespace pointreel::bench {
 
 /// Adds `pointreel-bench surface -o FOLDER`, which compares ways to clean noisy sequences, and
 /// writes surface.json, surface.md and plots into the folder.
-void add_surface_command(CLI::App& app, int& exit_code);
+void add_surface_command(cli::Command app, int& exit_code);
 
 }  // namespace pointreel::bench

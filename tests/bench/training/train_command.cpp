@@ -5,13 +5,12 @@
 #include <fstream>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <zstd.h>
 
 #include "codec/training/context_trainer.h"
 #include "common/base/print.h"
-#include "common/command_line/option_checks.h"
+#include "common/command_line/command.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/training/training_clouds.h"
 
@@ -57,23 +56,23 @@ int train(const Options& options) {
 
 }  // namespace
 
-void add_train_command(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand(
+void add_train_command(cli::Command app, int& exit_code) {
+  const cli::Command command = app.add_subcommand(
       "train-context", "training the tables of --entropy context from synthetic data");
-  command->footer(
+  command.footer(
       "The same seed gives the same tables. codec/octree/tables/README.md says how to install "
       "them.");
   auto options = std::make_shared<Options>();
-  command->add_option("-o,--output", options->output, "the file to write")
-      ->required()
-      ->type_name("FILE");
-  command->add_option("--seed", options->seed, "seed of the synthetic data")->capture_default_str();
+  command.add_option("-o,--output", options->output, "the file to write")
+      .required()
+      .type_name("FILE");
+  command.add_option("--seed", options->seed, "seed of the synthetic data").capture_default_str();
   command
-      ->add_option("--alphabet-cost", options->training.alphabet_cost,
-                   "bits that each alphabet must save; a higher cost gives smaller tables")
-      ->check(positive_number())
-      ->capture_default_str();
-  command->callback([options, &exit_code] { exit_code = train(*options); });
+      .add_option("--alphabet-cost", options->training.alphabet_cost,
+                  "bits that each alphabet must save; a higher cost gives smaller tables")
+      .check(cli::positive_number())
+      .capture_default_str();
+  command.callback([options, &exit_code] { exit_code = train(*options); });
 }
 
 }  // namespace pointreel::bench

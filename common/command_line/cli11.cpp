@@ -1,0 +1,337 @@
+// The only file that includes CLI11: what command.h and check.h declare, and --help.
+
+#include <algorithm>
+#include <csignal>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <optional>
+#include <sstream>
+#include <string_view>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "common/base/print.h"
+#include "common/command_line/command.h"
+#include "common/command_line/command_table.h"
+#include "common/command_line/option_words.h"
+#include "common/command_line/write_manuals.h"
+#include "pointreel/version.h"
+
+namespace pointreel::cli {
+namespace {
+
+OptionEntry entry_of(const CLI::Option& option) {
+  OptionEntry entry;
+  entry.positional = option.get_positional();
+  if (entry.positional) entry.names.push_back(option.get_single_name());
+  for (const std::string& name : option.get_snames()) entry.names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) entry.names.push_back("--" + name);
+  entry.type = option.get_type_name();
+  entry.least_values = option.get_items_expected_min();
+  entry.most_values = option.get_items_expected_max();
+  entry.description = option.get_description();
+  entry.preset = option.get_default_str();
+  entry.variable = option.get_envname();
+  entry.group = option.get_group();
+  entry.required = option.get_required();
+  for (const CLI::Option* needed : option.get_needs()) entry.needs.push_back(needed->get_name());
+  return entry;
+}
+
+/// Prints --help in 80 columns: the names of an option and its argument on the left, and on the
+/// right what option_words.h says about it.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter() {
+    column_width(kColumn);
+    label("Positionals", "Arguments");
+  }
+
+  std::string make_group(std::string group, bool is_positional,
+                         std::vector<const CLI::Option*> options) const override {
+    const std::string text = CLI::Formatter::make_group(group, is_positional, std::move(options));
+    // CLI11 puts two empty lines between groups, but one before the first.
+    return is_positional || group == "Options" ? text : text.substr(1);
+  }
+
+  std::string make_option_name(const CLI::Option* option, bool) const override {
+    return fmt::format("{}", fmt::join(entry_of(*option).names, ", "));
+  }
+
+  std::string make_option_opts(const CLI::Option* option) const override {
+    const std::string argument = argument_of(entry_of(*option));
+    return argument.empty() ? "" : " " + argument;
+  }
+
+  std::string make_option_desc(const CLI::Option* option) const override {
+    return wrap(description_of(entry_of(*option)), 80 - kColumn);
+  }
+
+  std::string make_description(const CLI::App* app) const override {
+    std::istringstream lines(app->get_description());
+    std::string text;
+    int number = 0;
+    for (std::string line; std::getline(lines, line); ++number) {
+      // The first line of a command's description is its heading (make_subcommand).
+      if (number == 1 && app->get_parent() != nullptr) text += "\n";
+      text += wrap(line, 80) + "\n";
+    }
+    return text + "\n";
+  }
+
+  std::string make_subcommand(const CLI::App* command) const override {
+    // The first line of a description says what a command is for.
+    const std::string text = command->get_description();
+    std::ostringstream out;
+    CLI::detail::format_help(out, command->get_name(),
+                             wrap(text.substr(0, text.find('\n')), 80 - kColumn), kColumn);
+    return out.str();
+  }
+
+ private:
+  static constexpr std::size_t kColumn = 26;
+};
+
+/// What follows the name of the program in the line "Usage:".
+std::string usage_of(const CLI::App& app) {
+  const std::string usage = HelpFormatter().make_usage(&app, "");
+  const std::size_t begin = usage.find('[');
+  return usage.substr(begin, usage.find('\n', begin) - begin);
+}
+
+/// Adds the entries of a command and of those below it.
+void add_entries(std::vector<CommandEntry>& all, const CLI::App& app,
+                 std::vector<std::string> path) {
+  path.push_back(app.get_name());
+  CommandEntry command{path, app.get_description(), usage_of(app), app.get_footer(), {}, {}, {}};
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_group().empty()) continue;
+    (option->get_positional() ? command.arguments : command.options).push_back(entry_of(*option));
+  }
+  const CLI::App* above = app.get_parent();
+  if (above != nullptr && app.get_fallthrough() && above->get_config_ptr() != nullptr)
+    command.options.push_back(entry_of(*above->get_config_ptr()));
+  const std::vector<const CLI::App*> below = app.get_subcommands({});
+  for (const CLI::App* subcommand : below)
+    command.subcommands.push_back(
+        {subcommand->get_name(), summary_of(subcommand->get_description())});
+  all.push_back(std::move(command));
+  for (const CLI::App* subcommand : below) add_entries(all, *subcommand, path);
+}
+
+template <class Object>
+std::vector<Command> handles_of(const std::vector<Object*>& apps) {
+  return {apps.begin(), apps.end()};
+}
+
+}  // namespace
+
+template <class T>
+Check range(T least, T most) {
+  const CLI::Range range(least, most);
+  return {range, range.get_description()};
+}
+
+template Check range(int, int);
+template Check range(unsigned, unsigned);
+template Check range(std::size_t, std::size_t);
+template Check range(double, double);
+
+Check one_of(const std::vector<std::string>& words) {
+  const CLI::IsMember member(words);
+  return {member, member.get_description()};
+}
+
+Check existing_file() { return {CLI::ExistingFile, CLI::ExistingFile.get_description()}; }
+
+std::optional<double> number_of(const std::string& text) {
+  double value = 0.0;
+  return CLI::detail::lexical_cast(text, value) ? std::optional(value) : std::nullopt;
+}
+
+Option Option::allow_extra_args(bool allow) const {
+  return Option(option_->allow_extra_args(allow));
+}
+Option Option::capture_default_str() const { return Option(option_->capture_default_str()); }
+Option Option::check(const Check& check) const {
+  return Option(option_->check(check.fault, check.accepts));
+}
+Option Option::default_str(const std::string& text) const {
+  return Option(option_->default_str(text));
+}
+Option Option::description(const std::string& text) const {
+  return Option(option_->description(text));
+}
+Option Option::envname(const std::string& name) const { return Option(option_->envname(name)); }
+Option Option::excludes(Option other) const { return Option(option_->excludes(other.option_)); }
+Option Option::expected(int least, int most) const {
+  return Option(option_->expected(least, most));
+}
+Option Option::group(const std::string& name) const { return Option(option_->group(name)); }
+Option Option::in_bytes() const { return Option(option_->transform(CLI::AsSizeValue(false))); }
+Option Option::needs(Option other) const { return Option(option_->needs(other.option_)); }
+Option Option::required(bool required) const { return Option(option_->required(required)); }
+Option Option::type_name(const std::string& name) const { return Option(option_->type_name(name)); }
+
+std::size_t Option::count() const { return option_->count(); }
+std::string Option::value() const { return option_->as<std::string>(); }
+const std::vector<std::string>& Option::values() const { return option_->results(); }
+std::string Option::name() const { return option_->get_name(); }
+std::string Option::envname() const { return option_->get_envname(); }
+bool Option::is_flag() const { return option_->get_items_expected_max() == 0; }
+
+template <class T>
+Option Command::add_option(const std::string& names, T& value,
+                           const std::string& description) const {
+  return Option(app_->add_option(names, value, description));
+}
+
+using Words = std::vector<std::string>;
+using Paths = std::vector<std::filesystem::path>;
+using Text = const std::string&;
+
+template Option Command::add_option(Text, int&, Text) const;
+template Option Command::add_option(Text, unsigned&, Text) const;
+template Option Command::add_option(Text, std::size_t&, Text) const;
+template Option Command::add_option(Text, double&, Text) const;
+template Option Command::add_option(Text, std::optional<std::size_t>&, Text) const;
+template Option Command::add_option(Text, std::optional<double>&, Text) const;
+template Option Command::add_option(Text, std::vector<double>&, Text) const;
+template Option Command::add_option(Text, std::string&, Text) const;
+template Option Command::add_option(Text, Words&, Text) const;
+template Option Command::add_option(Text, std::filesystem::path&, Text) const;
+template Option Command::add_option(Text, Paths&, Text) const;
+
+template <class T>
+Option Command::add_option_function(const std::string& names,
+                                    const std::function<void(const T&)>& set,
+                                    const std::string& description) const {
+  return Option(app_->add_option_function(names, set, description));
+}
+
+template Option Command::add_option_function(Text, const std::function<void(const int&)>&,
+                                             Text) const;
+template Option Command::add_option_function(Text, const std::function<void(const double&)>&,
+                                             Text) const;
+template Option Command::add_option_function(Text, const std::function<void(const std::string&)>&,
+                                             Text) const;
+template Option Command::add_option_function(Text, const std::function<void(const Words&)>&,
+                                             Text) const;
+
+Option Command::add_option(const std::string& names) const {
+  return Option(app_->add_option(names));
+}
+Option Command::add_flag(const std::string& names, bool& value,
+                         const std::string& description) const {
+  return Option(app_->add_flag(names, value, description));
+}
+Option Command::add_flag(const std::string& names) const { return Option(app_->add_flag(names)); }
+Option Command::add_flag_callback(const std::string& names, const std::function<void()>& set,
+                                  const std::string& description) const {
+  return Option(app_->add_flag_callback(names, set, description));
+}
+
+Option Command::add_config(const std::string& names, const std::string& description) const {
+  CLI::App& program = *app_->get_parent();
+  for (CLI::App* app : {&program, app_}) app->allow_config_extras(CLI::config_extras_mode::error);
+  app_->fallthrough();
+  return Option(program.set_config(names, "", description));
+}
+
+Command Command::add_subcommand(const std::string& name, const std::string& description) const {
+  return Command(app_->add_subcommand(name, description));
+}
+void Command::require_subcommand(std::size_t least, std::size_t most) const {
+  app_->require_subcommand(least, most);
+}
+void Command::callback(const std::function<void()>& run) const { app_->callback(run); }
+void Command::preparse_callback(const std::function<void()>& prepare) const {
+  app_->preparse_callback([prepare](std::size_t) { prepare(); });
+}
+void Command::footer(const std::string& text) const { app_->footer(text); }
+void Command::help_all_flag(const std::string& names, const std::string& description) const {
+  app_->set_help_all_flag(names, description);
+}
+
+std::string Command::name() const { return app_->get_name(); }
+std::string Command::help() const { return app_->help(); }
+std::vector<Option> Command::options() const {
+  const std::vector<CLI::Option*> all = app_->get_options();
+  return {all.begin(), all.end()};
+}
+std::vector<Command> Command::subcommands() const {
+  return handles_of(app_->get_subcommands(std::function<bool(CLI::App*)>()));
+}
+bool Command::parsed() const { return app_->parsed(); }
+std::size_t Command::count(const std::string& name) const { return app_->count(name); }
+std::vector<Command> Command::parsed_subcommands() const {
+  return handles_of(app_->get_subcommands());
+}
+
+Program::Program(const std::string& description, const std::string& name)
+    : owned_(std::make_unique<CLI::App>(description, name)) {
+  app_ = owned_.get();
+}
+
+Program::~Program() = default;
+
+void Program::add_common_options() {
+  const auto formatter = std::make_shared<HelpFormatter>();
+  const auto add = [&](const auto& self, CLI::App& to) -> void {
+    to.formatter(formatter);
+    to.set_help_flag("-h,--help", "Print this help and exit");
+    to.set_version_flag("--version", name() + " " POINTREEL_VERSION, "Print the version and exit");
+    for (CLI::App* command : to.get_subcommands({})) self(self, *command);
+  };
+  const auto write = [this](const std::string& folder) {
+    std::vector<CommandEntry> commands;
+    add_entries(commands, *app_, {});
+    const auto written = write_manuals(commands, folder);
+    if (!written) print_error(name(), written.error().message);
+    throw CLI::RuntimeError(written ? 0 : 1);  // there is nothing more to do
+  };
+  add_option_function<std::string>(
+      "--write-manuals", write,
+      "Write manual pages, and completions for bash, zsh and fish, to where they are looked for "
+      "below FOLDER, such as ~/.local/share, and exit")
+      .type_name("FOLDER");
+  add(add, *app_);
+}
+
+Result<void> Program::parse(const std::vector<std::string>& arguments) try {
+  app_->parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  return {};
+} catch (const CLI::Error& error) {
+  return fail(ErrorCode::argument, error.what());
+}
+
+std::optional<int> Program::parse(int argc, const char* const* argv) {
+  // A file that exceeds a limit of the system (ulimit -f) is then reported like a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
+  try {
+    app_->parse(argc, argv);
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0 || error.get_name() == "RuntimeError") return app_->exit(error);
+    std::string command = name();
+    for (const CLI::App* given = app_; !given->get_subcommands().empty();) {
+      given = given->get_subcommands().front();
+      command += " " + given->get_name();
+    }
+    std::string what = error.what();
+    // CLI11's words for an option in a configuration file that it does not know.
+    constexpr std::string_view kUnknown = "INI was not able to parse ";
+    if (what.starts_with(kUnknown))
+      what.replace(0, kUnknown.size(), "--config: there is no option ");
+    print_error(name(), fmt::format("{}; see {} --help", what, command));
+    return 2;
+  } catch (const std::exception& error) {  // from a subcommand; most likely out of memory
+    print_error(name(), error.what());
+    return 1;
+  }
+}
+
+}  // namespace pointreel::cli

@@ -48,6 +48,8 @@ struct HardCase {
   HardExpectation expect;
 };
 
+inline constexpr std::size_t kBallPoints = 2000;  ///< enough for a look at a ball
+
 /// A ball of radius 0.5 about `center`, made of evenly spaced points on a spiral: x y z and, if
 /// `shaded`, nx ny nz and red green blue that differ on every side. Positions are of type `type`,
 /// normals float, colours uchar.

@@ -12,7 +12,6 @@ constexpr std::array kFormats{PlyFormat::ascii, PlyFormat::little_endian, PlyFor
 constexpr std::array kTypes{PlyType::int8,  PlyType::uint8,  PlyType::int16,   PlyType::uint16,
                             PlyType::int32, PlyType::uint32, PlyType::float32, PlyType::float64};
 constexpr std::array kFormatNames{"ascii", "little", "big"};
-constexpr std::size_t kCount = 2000;
 
 const char* name_of(PlyFormat format) { return kFormatNames[static_cast<std::size_t>(format)]; }
 
@@ -27,7 +26,7 @@ std::string ascii_with(const std::string& header) {
 
 void add_formats(CaseList& list) {
   for (const PlyFormat format : kFormats) {
-    const PlyTable table = ball(kCount);
+    const PlyTable table = ball(kBallPoints);
     const char* row = format == PlyFormat::ascii           ? "ascii"
                       : format == PlyFormat::little_endian ? "little endian"
                                                            : "big endian";
@@ -35,7 +34,7 @@ void add_formats(CaseList& list) {
              fmt::format("A ball with normals and colours, {}: the same in three formats", row),
              ply_text(table, format), expect_table(table));
   }
-  const PlyTable doubles = ball(kCount, glm::dvec3(0.1, 0.2, 0.3), PlyType::float64);
+  const PlyTable doubles = ball(kBallPoints, glm::dvec3(0.1, 0.2, 0.3), PlyType::float64);
   for (const PlyFormat format : kFormats) {
     list.add("double positions", fmt::format("double_{}.ply", name_of(format)),
              "A ball with positions in doubles", ply_text(doubles, format), expect_table(doubles));
@@ -64,8 +63,8 @@ void add_formats(CaseList& list) {
   }
   for (const PlyFormat format : kFormats) {
     PlyTable table;
-    table.rows.resize(kCount);
-    const PlyTable points = ball(kCount);
+    table.rows.resize(kBallPoints);
+    const PlyTable points = ball(kBallPoints);
     for (std::size_t i = 0; i < 3; ++i) {
       for (const PlyType type : kTypes) {
         table.add_columns(
@@ -114,7 +113,7 @@ std::string with_lists(PlyFormat format, const PlyTable& vertices) {
 }
 
 void add_lists(CaseList& list) {
-  const PlyTable table = ball(kCount);
+  const PlyTable table = ball(kBallPoints);
   for (const PlyFormat format : kFormats) {
     list.add("list properties", fmt::format("lists_{}.ply", name_of(format)),
              "Faces before the vertices, a list in each vertex, edges behind them",
@@ -160,7 +159,7 @@ void add_lists(CaseList& list) {
 }
 
 void add_text(CaseList& list) {
-  const PlyTable table = ball(kCount);
+  const PlyTable table = ball(kBallPoints);
   const HardExpectation expect = expect_table(table);
   for (const PlyFormat format : kFormats) {
     list.add("CRLF", fmt::format("crlf_{}.ply", name_of(format)), "Lines that end in CR LF",
@@ -229,7 +228,7 @@ void add_sizes(CaseList& list) {
   add_count("count_word.ply", "many");
 
   constexpr const char* kCut = "truncated";
-  const PlyTable whole = ball(kCount);
+  const PlyTable whole = ball(kBallPoints);
   const std::string binary = ply_text(whole, PlyFormat::little_endian);
   list.add(kCut, "truncated_binary.ply", "Binary data that end within the normal of point 1999",
            binary.substr(0, binary.size() - 10),

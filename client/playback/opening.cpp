@@ -11,9 +11,6 @@
 #include <vector>
 
 namespace pointreel {
-namespace {
-
-constexpr std::chrono::milliseconds kErrandPatience{100};
 
 /// Something that a thread does while another waits for a short time.
 class Errand {
@@ -37,6 +34,10 @@ class Errand {
   std::condition_variable changed_;
   bool ended_ = false;
 };
+
+namespace {
+
+constexpr std::chrono::milliseconds kErrandPatience{100};
 
 /// The threads of all errands.
 class Errands {

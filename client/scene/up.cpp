@@ -8,7 +8,9 @@ glm::dvec3 Up::direction() const {
   return up;
 }
 
-std::string Up::text() const { return (reversed_ ? "-" : "") + std::string(1, letter()); }
+std::string Up::text() const {
+  return reversed_ ? std::string{'-', letter()} : std::string{letter()};
+}
 
 std::optional<Up> parse_up(std::string_view text) {
   const bool reversed = text.starts_with('-');

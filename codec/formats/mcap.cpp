@@ -22,19 +22,7 @@
 #include "common/cloud/ply_header.h"
 
 namespace pointreel {
-namespace {
-
-using namespace mcap;
-
-constexpr std::size_t kHead = 9;          ///< of a record: what it is, and its size
-constexpr std::size_t kMessageHead = 22;  ///< channel, sequence, and two times
-/// Of schemas, channels and the beginnings of chunks, of which all real ones are smaller. Indexes
-/// may be larger.
-constexpr std::uint64_t kMaxPart = std::uint64_t{1} << 24;
-constexpr std::size_t kMaxChannels = 1u << 16;
-/// Writers make chunks of some megabytes.
-constexpr std::uint64_t kMaxChunk = std::uint64_t{1} << 30;
-constexpr std::string_view kPointCloud2 = "sensor_msgs/msg/PointCloud2";
+namespace mcap {
 
 struct Channel {
   std::uint16_t schema = 0;
@@ -55,6 +43,22 @@ struct Chunk {
   std::string compression;
   bool indexed = false;
 };
+
+}  // namespace mcap
+
+namespace {
+
+using namespace mcap;
+
+constexpr std::size_t kHead = 9;          ///< of a record: what it is, and its size
+constexpr std::size_t kMessageHead = 22;  ///< channel, sequence, and two times
+/// Of schemas, channels and the beginnings of chunks, of which all real ones are smaller. Indexes
+/// may be larger.
+constexpr std::uint64_t kMaxPart = std::uint64_t{1} << 24;
+constexpr std::size_t kMaxChannels = 1u << 16;
+/// Writers make chunks of some megabytes.
+constexpr std::uint64_t kMaxChunk = std::uint64_t{1} << 30;
+constexpr std::string_view kPointCloud2 = "sensor_msgs/msg/PointCloud2";
 
 /// Texts and numbers of a record.
 class PartReader {

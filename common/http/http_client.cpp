@@ -41,6 +41,11 @@ std::string host_of(const std::string& url) {
   return parsed ? parsed->place() : url;
 }
 
+}  // namespace
+
+/// What the loop consists of.
+namespace http_client {
+
 /// The smallest value of the last five to ten seconds.
 class RecentMinimum {
  public:
@@ -93,7 +98,9 @@ struct Job {
   std::string trouble;
 };
 
-}  // namespace
+}  // namespace http_client
+
+using namespace http_client;
 
 class HttpClient::Loop : HttpTransfer::Listener {
  public:

@@ -12,6 +12,7 @@
 // through to the other shoulder.
 
 namespace pointreel {
+namespace baseball_tables {
 namespace {
 
 constexpr double kHit = 49.0 / 30.0;  // exactly at a pose
@@ -113,8 +114,10 @@ void hold(Puppet& puppet, const Bat& bat) {
 }
 
 }  // namespace
+}  // namespace baseball_tables
 
 Pose baseball(double seconds) {
+  using namespace baseball_tables;
   const double time = std::clamp(seconds, 0.0, 114.0 / 30.0);
   Puppet puppet = puppet_at(time);
   const Bat bat = bat_at(puppet, time);

@@ -11,6 +11,7 @@
 // top of the jump, and a soft landing.
 
 namespace pointreel {
+namespace basketball_tables {
 namespace {
 
 // A bounce: the hand releases the ball at the height kLow (metres) on its way down and meets it
@@ -177,8 +178,10 @@ BallState ball_at(double time) {
 }
 
 }  // namespace
+}  // namespace basketball_tables
 
 Pose basketball(double seconds) {
+  using namespace basketball_tables;
   const double time = std::clamp(seconds, 0.0, 113.0 / 30.0);
   const BallState ball = ball_at(time);
   Puppet puppet;

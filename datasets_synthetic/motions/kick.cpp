@@ -7,6 +7,7 @@
 // right foot, and back to the guard. The knee rises before the foot kicks, and comes down after it.
 
 namespace pointreel {
+namespace kick_tables {
 namespace {
 
 constexpr double kPeriod = 150.0 / 30.0;
@@ -101,8 +102,10 @@ constexpr Track<7, 25> kRightFoot = {{
 }};
 
 }  // namespace
+}  // namespace kick_tables
 
 Pose kick(double seconds) {
+  using namespace kick_tables;
   const double time = kPeriod * fraction(seconds / kPeriod);
   Puppet puppet;
   // The last movements lead back to the first pose of the guard.

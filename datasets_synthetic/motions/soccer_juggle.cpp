@@ -10,6 +10,7 @@
 // the touches the ball flies freely.
 
 namespace pointreel {
+namespace soccer_juggle_tables {
 namespace {
 
 constexpr double kPeriod = 116.0 / 30.0;
@@ -111,8 +112,10 @@ glm::dvec3 touched(int touch_number) {
 }
 
 }  // namespace
+}  // namespace soccer_juggle_tables
 
 Pose soccer_juggle(double seconds) {
+  using namespace soccer_juggle_tables;
   const double time = kPeriod * fraction(seconds / kPeriod);
   const Last last = last_touch(time);
   const glm::dvec3 center =

@@ -7,6 +7,7 @@
 // step to regain balance.
 
 namespace pointreel {
+namespace soccer_shoot_tables {
 namespace {
 
 constexpr double kShot = 35.0 / 30.0;  // the instep hits the ball, exactly at a pose
@@ -96,8 +97,10 @@ Puppet puppet_at(double time) {
 }
 
 }  // namespace
+}  // namespace soccer_shoot_tables
 
 Pose soccer_shoot(double seconds) {
+  using namespace soccer_shoot_tables;
   const double time = std::clamp(seconds, 0.0, 59.0 / 30.0);
   const double size = radius(Ball::Kind::soccer);
   const glm::dvec3 spot =

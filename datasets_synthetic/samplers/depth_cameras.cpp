@@ -20,10 +20,10 @@ namespace {
 constexpr glm::u8vec3 kWall{30, 30, 34}, kFloor{150, 148, 142};
 
 /// The uses of random numbers; each has its own streams.
-enum class Use : std::uint64_t { calibration, color, frame };
+enum class CameraUse : std::uint64_t { calibration, color, frame };
 
 /// The number of the stream for one use; `which` is below 2^48.
-std::uint64_t stream(Use use, std::uint64_t which) {
+std::uint64_t stream(CameraUse use, std::uint64_t which) {
   return static_cast<std::uint64_t>(use) << 48 | which;
 }
 
@@ -64,14 +64,14 @@ class Shot {
         distance_(working_distance(options)),
         number_(number),
         camera_(depth_camera_rig(options)[number]),
-        frame_seed_(Random(Random(seed, stream(Use::frame, number)).bits(),
+        frame_seed_(Random(Random(seed, stream(CameraUse::frame, number)).bits(),
                            static_cast<std::uint64_t>(static_cast<std::int64_t>(frame)))
                         .bits()) {
     const double per_axis = 1.0 / std::sqrt(3.0);
-    calibration_ = random_calibration(Random(seed, stream(Use::calibration, number)),
+    calibration_ = random_calibration(Random(seed, stream(CameraUse::calibration, number)),
                                       per_axis * options.calibration_shift,
                                       per_axis * options.calibration_turn);
-    Random random(seed, stream(Use::color, number));
+    Random random(seed, stream(CameraUse::color, number));
     color_x_ = options.color_shift / distance_ * random.normal();
     color_y_ = options.color_shift / distance_ * random.normal();
   }

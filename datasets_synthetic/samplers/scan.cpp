@@ -23,10 +23,10 @@ namespace pointreel {
 namespace {
 
 /// The uses of random numbers; each has its own streams.
-enum class Use : std::uint64_t { phase, calibration, patches, curve };
+enum class ScanUse : std::uint64_t { phase, calibration, patches, curve };
 
 /// The number of the stream for one use; `which` is below 2^48.
-std::uint64_t stream(Use use, std::uint64_t which) {
+std::uint64_t stream(ScanUse use, std::uint64_t which) {
   return static_cast<std::uint64_t>(use) << 48 | which;
 }
 
@@ -274,8 +274,8 @@ class Curve {
   void observe(std::size_t pair, std::vector<ScanPoint>& points) {
     const std::size_t camera = scene_.rig.pairs[pair].camera;
     Random random(scene_.frame_seed,
-                  stream(Use::curve, (pair * 2 + static_cast<std::size_t>(family_)) << 24 |
-                                         (static_cast<std::uint64_t>(number_) & 0xffffff)));
+                  stream(ScanUse::curve, (pair * 2 + static_cast<std::size_t>(family_)) << 24 |
+                                             (static_cast<std::uint64_t>(number_) & 0xffffff)));
     Detection detection{pair, random.bits(), random.uniform(), random.normal()};
     look(camera);
     Sight before;
@@ -437,7 +437,7 @@ Result<void> check(const ScanOptions& options) {
 std::vector<Patch> place_patches(const SurfaceGrid& grid, const ScanOptions& options,
                                  std::uint64_t seed) {
   std::vector<Patch> patches;
-  Random random(seed, stream(Use::patches, 0));
+  Random random(seed, stream(ScanUse::patches, 0));
   for (int i = 0; i < options.patches; ++i) {
     const auto& cell = grid.cells()[random.below(static_cast<std::uint32_t>(grid.cells().size()))];
     const double radius = options.patch_radius * random.uniform();
@@ -459,7 +459,7 @@ std::vector<Calibration> calibrate(std::size_t pairs, const ScanOptions& options
                                    std::uint64_t seed) {
   std::vector<Calibration> calibrations(pairs);
   for (std::size_t i = 0; i < pairs; ++i) {
-    calibrations[i] = random_calibration(Random(seed, stream(Use::calibration, i)),
+    calibrations[i] = random_calibration(Random(seed, stream(ScanUse::calibration, i)),
                                          options.calibration_shift, options.calibration_turn);
   }
   return calibrations;
@@ -505,7 +505,7 @@ Result<std::vector<ScanPoint>> scan(const Body& body, const ScanOptions& options
     const int family = static_cast<int>(i % 2);
     const double spacing = options.curve_spacing / scene.distance;
     // The pattern has a new phase in every frame.
-    const double phase = Random(frame_seed, stream(Use::phase, i)).uniform();
+    const double phase = Random(frame_seed, stream(ScanUse::phase, i)).uniform();
     const double half = options.rig.half_field;
     const auto first = static_cast<std::int32_t>(std::floor(-half / spacing - phase)) + 1;
     for (std::int32_t number = first; (number + phase) * spacing < half; ++number) {

@@ -133,7 +133,7 @@ Result<SlurmJobs> submit_to_slurm(const PackPlan& plan, const SlurmOptions& opti
   // A file name in which Slurm fills in "%a" must not have other percent signs.
   std::string logs = folder.string();
   for (std::size_t at = 0; (at = logs.find('%', at)) != std::string::npos; at += 2)
-    logs.insert(at, "%");
+    logs.insert(at, 1, '%');
   jobs.parts = TRY(sbatch({fmt::format("--array=1-{}", options.parts), name,
                            fmt::format("--cpus-per-task={}", options.threads),
                            fmt::format("--output={}/part-%a.log", logs)},

@@ -176,7 +176,8 @@ tl::expected<SharedFile, OpenError> open_resource(const Resource& resource) {
   return file;
 }
 
-namespace {
+/// What the state of a catalog consists of.
+namespace catalog {
 
 /// A package as it was read.
 struct Package {
@@ -192,6 +193,12 @@ struct Table {
   ResourceTable resources;
   std::string list = "[]";  ///< JSON
 };
+
+}  // namespace catalog
+
+namespace {
+
+using namespace catalog;
 
 FileIdentity identity_at(const fs::path& file) {
   struct stat status{};

@@ -251,25 +251,9 @@ Task<void> serve_publisher(std::shared_ptr<PublisherSession> session, LiveCall& 
   co_await session->transport->linger();
 }
 
-}  // namespace
-
-Task<void> Wake::sleep() {
-  timer_.expires_at(Clock::time_point::max());
-  error_code ignored;
-  co_await timer_.async_wait(asio::redirect_error(kUseAwaitable, ignored));
-}
-
-std::function<void()> Wake::function() {
-  return [weak = weak_from_this(), strand = timer_.get_executor()] {
-    asio::post(strand, [weak] {
-      if (const auto self = weak.lock()) self->timer_.cancel();
-    });
-  };
-}
-
-Task<void> serve_websocket(std::shared_ptr<Transport> transport, std::string received,
-                           LiveCall call, std::shared_ptr<Wake> wake, Peer peer, Service& service,
-                           const Limits& limits) {
+/// serve_websocket, as a coroutine of this file alone: its frame holds types that are.
+Task<void> serve(std::shared_ptr<Transport> transport, std::string received, LiveCall call,
+                 std::shared_ptr<Wake> wake, Peer peer, Service& service, const Limits& limits) {
   const bool publishes = call.publication != nullptr;
   std::shared_ptr<Session> session;
   std::shared_ptr<PublisherSession> publisher;
@@ -306,6 +290,29 @@ Task<void> serve_websocket(std::shared_ptr<Transport> transport, std::string rec
   transport->close();
   // Wakes the coroutine that writes, which then sees that the socket is closed.
   if (wake) wake->function()();
+}
+
+}  // namespace
+
+Task<void> Wake::sleep() {
+  timer_.expires_at(Clock::time_point::max());
+  error_code ignored;
+  co_await timer_.async_wait(asio::redirect_error(kUseAwaitable, ignored));
+}
+
+std::function<void()> Wake::function() {
+  return [weak = weak_from_this(), strand = timer_.get_executor()] {
+    asio::post(strand, [weak] {
+      if (const auto self = weak.lock()) self->timer_.cancel();
+    });
+  };
+}
+
+Task<void> serve_websocket(std::shared_ptr<Transport> transport, std::string received,
+                           LiveCall call, std::shared_ptr<Wake> wake, Peer peer, Service& service,
+                           const Limits& limits) {
+  return serve(std::move(transport), std::move(received), std::move(call), std::move(wake),
+               std::move(peer), service, limits);
 }
 
 }  // namespace pointreel

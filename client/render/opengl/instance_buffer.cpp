@@ -4,7 +4,7 @@ namespace pointreel {
 namespace {
 
 /// Uniform buffers are bound in blocks of 64 KiB, so the last block must be whole.
-constexpr std::size_t kBlock = 65536 / sizeof(Instance);
+constexpr std::size_t kUniformBlock = 65536 / sizeof(Instance);
 
 }  // namespace
 
@@ -12,7 +12,8 @@ std::span<Instance> InstanceBuffer::write(std::size_t count) {
   size_ = 0;
   if (count > capacity_) {
     // Some room to grow, because frames differ in size.
-    const std::size_t capacity = (count + count / 4 + kBlock) / kBlock * kBlock;
+    const std::size_t capacity =
+        (count + count / 4 + kUniformBlock) / kUniformBlock * kUniformBlock;
     buffer_ = gl::Buffer::create();
     constexpr GLbitfield kAccess = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
     const auto bytes = static_cast<GLsizeiptr>(capacity * sizeof(Instance));

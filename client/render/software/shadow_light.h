@@ -21,7 +21,7 @@ POINTREEL_INLINE Lanes light_reaching(const ShadowMap& shadow, const LaneVec& po
              below = __builtin_convertvector(near_y, LaneMask);
   const LaneMask texel = 2 * (below * kShadowEdge + left);
   const std::span moments = shadow.moments();
-  Lanes values[2][4];  // of the texels below and above; on the left and on the right
+  Lanes values[2][4] = {};  // of the texels below and above; on the left and on the right
   for (std::size_t lane = 0; lane < kLanes; ++lane)
     for (std::size_t row = 0; row < 2; ++row) {
       const float* from = &moments[static_cast<std::size_t>(texel[lane]) + row * 2 * kShadowEdge];

@@ -19,7 +19,7 @@
 #include "server/serve/service.h"
 #include "tests/alloc/frames.h"
 #include "tests/alloc/heap.h"
-#include "tests/unit/live_frames.h"
+#include "tests/live_frames.h"
 
 namespace pointreel {
 namespace {

@@ -20,8 +20,8 @@
 #include "tests/bench/measure.h"
 #include "tests/bench/suites.h"
 #include "tests/depth_scene.h"
+#include "tests/ros_messages.h"
 #include "tests/temporary_folder.h"
-#include "tests/unit/ros_messages.h"
 
 namespace pointreel::bench {
 namespace {

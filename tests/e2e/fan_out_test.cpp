@@ -19,8 +19,8 @@
 #include "common/net/websocket.h"
 #include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"
+#include "tests/raw_http_client.h"
 #include "tests/temporary_folder.h"
-#include "tests/unit/raw_http_client.h"
 #include "tests/wait.h"
 
 namespace pointreel::e2e {

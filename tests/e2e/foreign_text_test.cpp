@@ -12,9 +12,9 @@
 #include <gtest/gtest.h>
 
 #include "tests/e2e/process.h"
+#include "tests/scripted_http_server.h"
 #include "tests/temporary_folder.h"
 #include "tests/terminal_text.h"
-#include "tests/unit/scripted_http_server.h"
 
 namespace pointreel::e2e {
 namespace {

@@ -14,8 +14,8 @@
 #include <signal.h>
 
 #include "tests/e2e/process.h"
+#include "tests/scripted_http_server.h"
 #include "tests/temporary_folder.h"
-#include "tests/unit/scripted_http_server.h"
 #include "tests/wait.h"
 
 namespace pointreel::e2e {

@@ -25,7 +25,7 @@ Checks run_stability_checks() {
 }
 
 std::vector<HardRow> hard_rows() {
-  const std::string opengl = "on the graphics card: tests/unit/renderer_test.cpp";
+  const std::string opengl = "on the graphics card: tests/client/renderer_test.cpp";
   const std::string not_built = "not built yet";
   return {
       {"ingest", "NaN or infinite position", ""},

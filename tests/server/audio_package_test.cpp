@@ -1,0 +1,186 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/audio/opus_reader.h"
+#include "common/base/ffmpeg.h"
+#include "common/stream/manifest.h"
+#include "server/pack/audio.h"
+#include "server/pack/inspect.h"
+#include "tests/packed_clouds.h"
+#include "tests/tone.h"
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+double tone(std::uint32_t n, double rate) {
+  return 0.5 * std::sin(2.0 * std::numbers::pi * 440.0 * n / rate);
+}
+
+/// Inputs of 5 frames, which take 0.2 s, and a second of a tone.
+class AudioPackage : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!is_installed("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+    write_frames(folder() / "in", 5);
+    write_wav(sound(), 44'100, 44'100, [](std::uint32_t n) { return tone(n, 44'100.0); });
+  }
+
+  Result<PackSummary> pack_with(const fs::path& audio) const {
+    PackOptions options = pack_options(folder() / "in", reel());
+    options.audio = audio;
+    options.force = true;
+    return pack(options);
+  }
+  void pack_silent() const { ASSERT_TRUE(pack(pack_options(folder() / "in", reel()))); }
+
+  fs::path folder() const { return folder_.path(); }
+  fs::path reel() const { return folder() / "reel"; }
+  fs::path sound() const { return folder() / "tone.wav"; }
+  Manifest manifest() const { return read_manifest(reel()).value(); }
+  std::vector<Fault> faults() const { return verify(reel()).value().faults; }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_F(AudioPackage, is_packed_with_sound_as_long_as_its_frames) {
+  const auto summary = pack_with(sound());
+  ASSERT_TRUE(summary) << summary.error().message;
+  const Manifest packed = manifest();
+  ASSERT_TRUE(packed.audio);
+  EXPECT_EQ(packed.audio->samples, kAudioRate / 5);
+  EXPECT_THAT(packed.audio->path, StartsWith("audio."));
+  EXPECT_THAT(faults(), IsEmpty());
+
+  const std::string text = read_text(reel() / packed.audio->path);
+  const Bytes bytes(text.begin(), text.end());
+  auto reader = OpusReader::open(bytes);
+  ASSERT_TRUE(reader) << reader.error().message;
+  std::vector<StereoSample> samples(kAudioRate);
+  std::size_t size = 0;
+  for (;;) {
+    const auto read = reader->read(std::span(samples).subspan(size));
+    ASSERT_TRUE(read);
+    if (read->samples == 0) break;
+    size += read->samples;
+  }
+  ASSERT_EQ(size, packed.audio->samples);
+  // What is heard at a time is what the source has at that time, but for the loss of the coding.
+  double error = 0.0, power = 0.0;
+  for (std::size_t n = 480; n < size - 480; ++n) {
+    const double right = tone(static_cast<std::uint32_t>(n), kAudioRate);
+    error += std::pow(samples[n].left - right, 2.0);
+    power += right * right;
+  }
+  EXPECT_LT(error, 0.01 * power);
+}
+
+TEST_F(AudioPackage, has_as_many_samples_for_ffmpeg) {
+  ASSERT_TRUE(pack_with(sound()));
+  const std::string command = "ffmpeg -v error -i '" + (reel() / manifest().audio->path).string() +
+                              "' -f s16le -ac 1 - | wc -c";
+  FILE* pipe = popen(command.c_str(), "r");
+  unsigned bytes = 0;
+  ASSERT_EQ(fscanf(pipe, "%u", &bytes), 1);
+  pclose(pipe);
+  EXPECT_EQ(bytes, 2 * kAudioRate / 5);
+}
+
+TEST_F(AudioPackage, gets_replaces_and_loses_sound_without_being_packed_again) {
+  pack_silent();
+  const auto before = contents(reel());
+  const auto added = replace_audio(reel(), sound());
+  ASSERT_TRUE(added) << added.error().message;
+  EXPECT_THAT(faults(), IsEmpty());
+  EXPECT_EQ(contents(reel()).size(), before.size() + 1);
+  const std::string first = manifest().audio->path;
+
+  write_wav(sound(), 48'000, 4'800, [](std::uint32_t n) { return 0.5 * tone(n, 48'000.0); });
+  ASSERT_TRUE(replace_audio(reel(), sound()));
+  EXPECT_EQ(manifest().audio->samples, 4'800u);
+  EXPECT_NE(manifest().audio->path, first) << "caches keep files for good";
+  EXPECT_FALSE(fs::exists(reel() / first));
+  EXPECT_THAT(faults(), IsEmpty());
+
+  ASSERT_TRUE(replace_audio(reel(), std::nullopt));
+  EXPECT_EQ(contents(reel()), before);
+}
+
+TEST_F(AudioPackage, stays_as_it_is_if_the_source_has_no_sound) {
+  pack_silent();
+  const auto before = contents(reel());
+  const auto refused = replace_audio(reel(), folder() / "in" / "frame_0.ply");
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("frame_0.ply: cannot be read as sound"));
+  const auto missing = replace_audio(reel(), folder() / "none.wav");
+  ASSERT_FALSE(missing);
+  EXPECT_THAT(missing.error().message, HasSubstr("none.wav: is not a file"));
+  EXPECT_EQ(contents(reel()), before);
+  EXPECT_FALSE(pack_with(folder() / "none.wav"));
+  EXPECT_EQ(contents(reel()), before);
+}
+
+TEST_F(AudioPackage, is_unpacked_with_its_sound) {
+  ASSERT_TRUE(pack_with(sound()));
+  const UnpackOptions options{.input = reel(), .output = folder() / "out", .force = true};
+  ASSERT_TRUE(unpack(options));
+  EXPECT_EQ(read_text(folder() / "out" / "audio.opus"), read_text(reel() / manifest().audio->path));
+  EXPECT_TRUE(unpack(options)) << "a folder of unpacked frames may have sound";
+}
+
+TEST_F(AudioPackage, is_faulty_if_its_sound_is_damaged_or_is_not_as_long_as_it_says) {
+  ASSERT_TRUE(pack_with(sound()));
+  Manifest edited = manifest();
+  edited.audio->samples += 1;
+  write_file(reel() / "reel.json", write_manifest(edited));
+  const auto longer = faults();
+  ASSERT_EQ(longer.size(), 1u);
+  EXPECT_EQ(longer[0].file, edited.audio->path);
+  EXPECT_THAT(longer[0].what, HasSubstr("decodes to 9600 samples, the manifest says 9601"));
+
+  std::string bytes = read_text(reel() / edited.audio->path);
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x55);
+  write_file(reel() / edited.audio->path, bytes);
+  EXPECT_THAT(faults().at(0).what, HasSubstr("checksum"));
+  edited.audio->samples -= 1;
+  edited.audio->checksum =
+      checksum_of({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+  write_file(reel() / "reel.json", write_manifest(edited));
+  EXPECT_EQ(faults().size(), 1u) << "the checksums of Ogg's pages find it, too";
+}
+
+TEST(OpusReader, refuses_what_is_not_opus) {
+  for (const std::string& text : {std::string(), std::string("OggS"), std::string(1000, 'x')}) {
+    const Bytes bytes(text.begin(), text.end());
+    const auto reader = OpusReader::open(bytes);
+    ASSERT_FALSE(reader);
+    EXPECT_FALSE(reader.error().message.empty());
+  }
+}
+
+TEST(OpusReader, passes_on_why_bytes_cannot_be_read) {
+  const auto reader = OpusReader::open(
+      [](std::uint64_t, std::span<std::uint8_t>) -> Result<void> {
+        return fail(ErrorCode::cancelled, "stopped");
+      },
+      1000);
+  ASSERT_FALSE(reader);
+  EXPECT_EQ(reader.error().code, ErrorCode::cancelled);
+  EXPECT_EQ(reader.error().message, "stopped");
+}
+
+}  // namespace
+}  // namespace pointreel

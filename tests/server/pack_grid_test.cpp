@@ -1,0 +1,268 @@
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "codec/cloud_file.h"
+#include "common/stream/manifest.h"
+#include "pointreel/draco.h"
+#include "server/pack/inspect.h"
+#include "server/pack/packer.h"
+#include "tests/pack_folder.h"
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+/// In which grid frames are packed, and what happens if none suits them.
+class PackGrid : public PackFolder {
+ protected:
+  PackGrid() { options_.encode.codec = OctreeOptions{}; }
+
+  std::string error() {
+    const Result<PackSummary> summary = pack(options_);
+    return summary ? "packed" : summary.error().message;
+  }
+
+  PointCloud decoded(std::uint32_t frame) {
+    const auto layers = read_frame(options_.output, *read_manifest(options_.output), frame, 9);
+    return decode_frame(layer_views(*layers))->cloud;
+  }
+
+  void use(const EncodeOptions& encode) { options_.encode = encode; }
+};
+
+EncodeOptions octree(DepthRule depth) { return {OctreeOptions{Entropy::context, depth}}; }
+
+EncodeOptions draco(int bits) {
+  DracoOptions options;
+  options.position_bits = bits;
+  return {options};
+}
+
+/// A surface of voxels as a scan of 9 bits has them, each once, and shifted.
+PointCloud voxelised(const glm::dvec3& shift, double voxel) {
+  const PointCloud smooth = ellipsoid(40'000);
+  std::set<std::array<int, 3>> cells;
+  for (const glm::vec3& p : smooth.positions) {
+    const glm::ivec3 cell(glm::round(p * 150.0f));
+    cells.insert({cell.x, cell.y, cell.z});
+  }
+  PointCloud cloud;
+  for (const auto& [x, y, z] : cells) {
+    cloud.positions.emplace_back((glm::dvec3(x, y, z) + shift) * voxel);
+  }
+  return cloud;
+}
+
+TEST_F(PackGrid, voxelised_frames_come_back_exactly_if_the_depth_suffices) {
+  for (const glm::dvec3 shift : {glm::dvec3(0.0), glm::dvec3(0.5)}) {
+    const std::vector<PointCloud> sources = {voxelised(shift, 1.0),
+                                             voxelised(shift + glm::dvec3(3, 0, -7), 1.0)};
+    for (int i = 0; i < 2; ++i) write(i, sources[static_cast<std::size_t>(i)]);
+    for (const bool cube_per_frame : {false, true}) {
+      options_.cube_per_frame = cube_per_frame;
+      for (const EncodeOptions& encode : {octree(DepthRule{}), octree(DepthRule::fixed(9)),
+                                          octree(DepthRule::fixed(12)), draco(9), draco(11)}) {
+        use(encode);
+        const PackSummary summary = packed();
+        EXPECT_EQ(summary.depth_max, 9u) << "no voxel is divided";
+        EXPECT_EQ(summary.max_error, 0.0);
+        EXPECT_EQ(max_error(options_.output, *read_manifest(options_.output)).value(), 0.0);
+        for (std::uint32_t i = 0; i < 2; ++i) {
+          EXPECT_EQ(world_points(decoded(i)), world_points(sources[i]));
+        }
+      }
+      for (const EncodeOptions& encode : {octree(DepthRule::fixed(8)), draco(8)}) {
+        use(encode);
+        EXPECT_GT(packed().max_error, 0.4);
+      }
+    }
+  }
+}
+
+TEST_F(PackGrid, merged_voxels_do_not_shift_what_they_show) {
+  // 0.25 does not merge whole voxels of 0.1, and leaves on multiples of it are right on average.
+  for (const glm::dvec3 shift : {glm::dvec3(0.0), glm::dvec3(0.5)}) {
+    const PointCloud source = voxelised(shift, 0.1);
+    write(0, source);
+    for (const double voxel : {0.1, 0.2, 0.25, 0.3, 0.4, 0.8}) {
+      options_.voxel = voxel;
+      for (const bool cube_per_frame : {false, true}) {
+        options_.cube_per_frame = cube_per_frame;
+        packed();
+        const PointCloud leaves = decoded(0);
+        // Each source point counts, so that surfaces do not pull the mean to where leaves are many.
+        glm::dvec3 shifted(0.0);
+        for (const glm::vec3& p : source.positions) {
+          const glm::dvec3 from = leaves.origin + glm::dvec3(leaves.positions.front());
+          const glm::dvec3 offset = (glm::dvec3(p) - from) / voxel;
+          shifted += offset - glm::floor(offset + 0.5 + 1e-5);
+        }
+        shifted /= static_cast<double>(source.size());
+        EXPECT_LT(std::max({std::abs(shifted.x), std::abs(shifted.y), std::abs(shifted.z)}), 0.02)
+            << "voxels of " << voxel;
+        fs::remove_all(options_.output);
+      }
+    }
+  }
+}
+
+TEST_F(PackGrid, frames_are_not_voxelised_if_one_of_them_is_not) {
+  write(0, voxelised({}, 0.001));
+  PointCloud shifted = voxelised({}, 0.001);
+  for (glm::vec3& p : shifted.positions) p.x += 0.0004f;
+  write(1, shifted);
+  EXPECT_GT(packed().max_error, 1e-4);
+  options_.cube_per_frame = true;
+  EXPECT_LT(packed().max_error, 1e-7);
+}
+
+TEST_F(PackGrid, fine_coordinates_of_sparse_points_do_not_count_as_voxels) {
+  // Whole numbers, but far fewer points than voxels.
+  std::mt19937 random(1);
+  std::uniform_int_distribution<int> anywhere(0, 60'000);
+  PointCloud cloud;
+  for (int i = 0; i < 500; ++i) {
+    cloud.positions.emplace_back(anywhere(random), anywhere(random), anywhere(random));
+  }
+  write(0, cloud);
+  packed();
+  EXPECT_EQ(read_manifest(options_.output)->segments[0].cube,
+            bounding_cube(bounds(read_cloud_file(in() / "0.ply")->cloud)));
+}
+
+TEST_F(PackGrid, takes_vertices_that_are_repeated_with_other_roundings) {
+  const PointCloud once = ellipsoid(2000);
+  std::mt19937 random(2);
+  for (const float jitter : {1e-7f, 1e-6f, 1e-5f}) {
+    std::uniform_real_distribution<float> rounding(-jitter, jitter);
+    PointCloud soup;
+    for (int copy = 0; copy < 8; ++copy) {
+      for (const glm::vec3& p : once.positions)
+        soup.positions.push_back(p +
+                                 glm::vec3(rounding(random), rounding(random), rounding(random)));
+    }
+    write(0, soup);
+    use(octree(DepthRule{}));
+    EXPECT_THAT(packed().warnings, IsEmpty()) << jitter;
+    fs::remove_all(options_.output);
+  }
+}
+
+TEST_F(PackGrid, refuses_a_frame_that_far_points_make_too_large) {
+  PointCloud cloud = ellipsoid(2000);
+  for (const float far : {-1.0f, 1.0f}) cloud.positions.emplace_back(1e7f * far, 0.0f, 0.0f);
+  write(0, cloud);
+  use(octree(DepthRule{}));
+  EXPECT_THAT(error(), HasSubstr("some lie too far away for an octree of 21 levels"));
+}
+
+TEST_F(PackGrid, refuses_frames_that_lie_too_far_apart_for_one_cube) {
+  for (const int frame : {0, 1}) {
+    PointCloud cloud = ellipsoid(2000);
+    cloud.origin.x = 8e6 * frame;
+    write(frame, cloud);
+  }
+  for (const EncodeOptions& encode :
+       {octree(DepthRule{}), octree(DepthRule::fixed(10)), draco(11)}) {
+    use(encode);
+    EXPECT_THAT(error(), StartsWith((in() / "0.ply").string() + ": its 2000 points collapse"));
+    EXPECT_THAT(error(), HasSubstr("give --cube frame, or --best-effort"));
+    EXPECT_FALSE(fs::exists(options_.output));
+    options_.cube_per_frame = true;
+    const PackSummary apart = packed();
+    EXPECT_LT(apart.max_error, 0.05);
+    EXPECT_THAT(apart.warnings, IsEmpty());
+    options_.cube_per_frame = false;
+    options_.best_effort = true;
+    EXPECT_THAT(packed().warnings, ElementsAre(HasSubstr("0.ply: its 2000 points collapse"),
+                                               HasSubstr("1.ply: its 2000 points collapse")));
+    options_.best_effort = false;
+    fs::remove_all(options_.output);
+  }
+}
+
+TEST_F(PackGrid, refuses_a_frame_of_which_some_points_are_too_far_away) {
+  PointCloud cloud = ellipsoid(2000);
+  cloud.positions.emplace_back(3e8f, 0.0f, 0.0f);
+  cloud.normals.emplace_back(0.0f, 0.0f, 1.0f);
+  cloud.colors.emplace_back(0);
+  write(0, cloud);
+  for (const bool cube_per_frame : {false, true}) {
+    options_.cube_per_frame = cube_per_frame;
+    EXPECT_THAT(error(), HasSubstr("some lie too far away for an octree of 21 levels"));
+  }
+}
+
+TEST_F(PackGrid, packs_equal_points_and_frames_that_are_small_anyway) {
+  PointCloud equal = ellipsoid(50);
+  for (std::size_t i = 5; i < 50; ++i) equal.positions[i] = equal.positions[i % 5];
+  write(0, equal);
+  PointCloud single;
+  single.positions.emplace_back(5000.0f, 0.25f, 0.75f);
+  write(1, single);
+  for (const EncodeOptions& encode : {octree(DepthRule{}), draco(11)}) {
+    use(encode);
+    options_.cube_per_frame = true;
+    EXPECT_THAT(packed().warnings, IsEmpty());
+  }
+  fs::remove(in() / "0.ply");
+  write(0, single);
+  options_.cube_per_frame = false;
+  EXPECT_THAT(packed().warnings, IsEmpty());
+}
+
+TEST_F(PackGrid, fails_if_a_bit_rate_cannot_be_met_unless_told_to_do_its_best) {
+  for (int i = 0; i < 4; ++i) write(i, ellipsoid(300));
+  options_.segment_frames = 2;
+  options_.bitrate = 1000.0;
+  EXPECT_THAT(error(), StartsWith("frames 0 to 1 take "));
+  EXPECT_THAT(error(), HasSubstr("give a higher --bitrate, or --best-effort"));
+  EXPECT_THAT(names_in(folder_.path()), ElementsAre("in"));
+  options_.best_effort = true;
+  const PackSummary summary = packed();
+  for (const SegmentSummary& segment : summary.segments) {
+    EXPECT_FALSE(segment.within_rate);
+    EXPECT_EQ(segment.depth_max, 1u);
+  }
+  ASSERT_EQ(summary.warnings.size(), 2u);
+  EXPECT_THAT(summary.warnings[1], HasSubstr("frames 2 to 3"));
+}
+
+TEST_F(PackGrid, names_each_property_that_it_drops_once) {
+  const auto write_text = [&](int frame, const std::string& extra, const std::string& values) {
+    std::string text = "ply\nformat ascii 1.0\nelement vertex 2\n";
+    for (const char* name : {"x", "y", "z"}) text += fmt::format("property float {}\n", name);
+    text += "property float radius\n";
+    // As many fields as a cloud can have. What follows them is dropped.
+    std::string fields;
+    for (std::size_t i = 0; i < kMaxScalars; ++i) {
+      text += fmt::format("property float field{}\n", i);
+      fields += "0 ";
+    }
+    text += extra + "end_header\n";
+    for (int i = 0; i < 2; ++i) text += fmt::format("{} 0 1.5 1 {}{}\n", i, fields, values);
+    write_file(in() / fmt::format("{}.ply", frame), text);
+  };
+  const std::string quality = "property float quality\nproperty list uchar int friends\n";
+  write_text(0, quality, "0.5 1 7");
+  write_text(1, quality + "property uchar alpha\n", "0.5 1 7 255");
+  write_text(2, quality + "property int label\n", "0.5 1 7 3");
+  options_.segment_frames = 2;
+  EXPECT_THAT(
+      packed().warnings,
+      ElementsAre(HasSubstr("radii"), "properties of points that are not packed: alpha, quality",
+                  "properties of points that are not packed: label"));
+}
+
+}  // namespace
+}  // namespace pointreel

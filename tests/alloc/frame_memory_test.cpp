@@ -15,7 +15,7 @@
 #include "tests/alloc/heap.h"
 #include "tests/forge.h"
 
-namespace pointreel {
+namespace pointreel::frame_memory_test {
 namespace {
 
 using testing::HasSubstr;
@@ -90,4 +90,4 @@ TEST(FrameMemory, is_not_taken_for_points_that_a_frame_only_claims_to_have) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::frame_memory_test

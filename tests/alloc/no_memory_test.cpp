@@ -21,7 +21,7 @@
 #include "tests/alloc/heap.h"
 #include "tests/live_frames.h"
 
-namespace pointreel {
+namespace pointreel::no_memory_test {
 namespace {
 
 /// Calls `attempt` with each of its allocations failing in turn. It must leave nothing behind.
@@ -197,4 +197,4 @@ TEST(NoMemory, for_a_request_ends_its_connection) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::no_memory_test

@@ -11,7 +11,7 @@
 
 #include "client/audio/null_device.h"
 
-namespace pointreel {
+namespace pointreel::audio_player_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -332,4 +332,4 @@ TEST_F(AudioPlayerTest, asks_for_what_comes_next) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::audio_player_test

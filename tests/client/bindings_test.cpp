@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::bindings_test {
 namespace {
 
 TEST(Bindings, use_no_key_twice) {
@@ -65,4 +65,4 @@ TEST(Bindings, share_one_line_of_the_help_if_they_do_the_same) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::bindings_test

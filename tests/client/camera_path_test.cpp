@@ -9,7 +9,7 @@
 
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::camera_path_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -219,4 +219,4 @@ TEST(CameraPathFile, names_the_file_in_every_error) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::camera_path_test

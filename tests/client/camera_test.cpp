@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::camera_test {
 namespace {
 
 constexpr double kAspect = 16.0 / 9.0;
@@ -278,4 +278,4 @@ TEST(Camera, flying_moves_the_eye_right_up_and_forward) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::camera_test

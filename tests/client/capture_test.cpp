@@ -2,7 +2,7 @@
 
 #include "client/record/numbered_path.h"
 
-namespace pointreel {
+namespace pointreel::capture_test {
 namespace {
 
 TEST(NumberedPath, inserts_the_number_into_the_pattern) {
@@ -20,4 +20,4 @@ TEST(NumberedPath, refuses_every_other_pattern) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::capture_test

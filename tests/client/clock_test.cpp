@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::clock_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -489,4 +489,4 @@ TEST(ClockRange, agrees_with_playing_step_by_step_from_every_start_in_every_rang
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::clock_test

@@ -14,7 +14,7 @@
 #include "common/octree/build.h"
 #include "pointreel/octree.h"
 
-namespace pointreel {
+namespace pointreel::cut_test {
 namespace {
 
 constexpr glm::ivec2 kSize(640, 480);
@@ -305,4 +305,4 @@ TEST(FinestLevel, rises_with_the_height_of_a_person_in_pixels) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::cut_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::delaunay_test {
 namespace {
 
 __extension__ typedef __int128 Wide;
@@ -152,4 +152,4 @@ TEST(Delaunay, of_a_grid_has_diagonals_from_the_lowest_index_whatever_else_is_th
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::delaunay_test

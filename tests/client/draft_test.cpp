@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::draft_test {
 namespace {
 
 constexpr int kCoarsest = 4;  ///< the largest reduction
@@ -166,4 +166,4 @@ TEST_F(PlayingDraft, is_whole_when_playback_is_paused) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::draft_test

@@ -8,7 +8,7 @@
 #include <imgui.h>
 #include <imgui_internal.h>
 
-namespace pointreel {
+namespace pointreel::drawing_panel_test {
 namespace {
 
 constexpr glm::vec2 kSize(900.0f, 700.0f);
@@ -226,4 +226,4 @@ TEST_F(DrawingPanelTest, closes_by_its_button_and_takes_no_keys) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::drawing_panel_test

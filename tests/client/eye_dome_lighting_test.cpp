@@ -6,7 +6,7 @@
 
 #include "tests/client/drawing_test.h"
 
-namespace pointreel {
+namespace pointreel::eye_dome_lighting_test {
 namespace {
 
 constexpr glm::ivec2 kSize(160, 120);
@@ -89,4 +89,4 @@ TEST_P(EyeDomeLightingTest, does_not_affect_the_next_picture) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::eye_dome_lighting_test

@@ -12,7 +12,7 @@
 #include "tests/client/drawing_test.h"
 #include "tests/read_alpha.h"
 
-namespace pointreel {
+namespace pointreel::floor_test {
 namespace {
 
 constexpr glm::ivec2 kSize(320, 240);
@@ -224,4 +224,4 @@ TEST_P(FloorTest, leaves_nothing_behind_when_it_is_switched_off) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::floor_test

@@ -12,7 +12,7 @@
 
 #include "tests/client/frame_buffer_test.h"
 
-namespace pointreel {
+namespace pointreel::frame_buffer_layers_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -465,4 +465,4 @@ TEST(FrameBuffer, fill_reports_how_many_frames_are_fetched_and_prepared) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::frame_buffer_layers_test

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::frame_buffer_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -527,4 +527,4 @@ TEST(FrameBuffer, the_newest_passed_frame_is_held_even_if_the_window_covers_the_
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::frame_buffer_test

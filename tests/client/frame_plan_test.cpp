@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::frame_plan_test {
 namespace {
 
 const Timeline kThirds{{0, 333'333, 666'667}, 1'000'000};
@@ -59,4 +59,4 @@ TEST(FramePlan, has_a_constant_rate_across_passes_only_if_the_last_frame_keeps_i
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::frame_plan_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::frame_rate_test {
 namespace {
 
 std::vector<std::uint64_t> times(double fps, int count, double start_us = 0.0) {
@@ -52,4 +52,4 @@ TEST(FrameRate, is_absent_for_fewer_than_two_times_or_equal_times) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::frame_rate_test

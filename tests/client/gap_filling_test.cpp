@@ -9,7 +9,7 @@
 
 #include "tests/tree_of_cells.h"
 
-namespace pointreel {
+namespace pointreel::gap_filling_test {
 namespace {
 
 using CellSet = std::set<std::tuple<int, int, int>>;
@@ -206,4 +206,4 @@ TEST(GapFilling, fills_the_cells_that_random_points_miss_on_a_surface_that_looks
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::gap_filling_test

@@ -14,7 +14,7 @@
 #include "tests/scripted_http_server.h"
 #include "tests/small_package.h"
 
-namespace pointreel {
+namespace pointreel::http_compression_test {
 namespace {
 
 using testing::HasSubstr;
@@ -97,4 +97,4 @@ TEST(HttpCompression, of_more_than_a_manifest_may_have_is_noticed_while_it_is_un
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::http_compression_test

@@ -20,7 +20,7 @@
 #include "tests/scripted_http_server.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::http_live_source_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -322,4 +322,4 @@ TEST(LivePacing, begins_anew_when_the_publishers_clock_jumps) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::http_live_source_test

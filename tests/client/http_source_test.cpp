@@ -18,7 +18,7 @@
 #include "tests/small_package.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::http_source_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -476,4 +476,4 @@ TEST(HttpSource, counts_the_bytes_and_time_of_the_link) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::http_source_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel::bench {
+namespace pointreel::bench::image_error_test {
 namespace {
 
 Image plain(int width, int height, const glm::u8vec3& color) {
@@ -123,4 +123,4 @@ TEST(Difference, reports_the_largest_channel_and_the_root_mean_square) {
 }
 
 }  // namespace
-}  // namespace pointreel::bench
+}  // namespace pointreel::bench::image_error_test

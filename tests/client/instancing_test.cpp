@@ -3,7 +3,7 @@
 #include "client/render/opengl/gl_renderer.h"
 #include "tests/client/renderer_test.h"
 
-namespace pointreel {
+namespace pointreel::instancing_test {
 namespace {
 
 /// Some surfels face away and some have unknown orientation. There are more than a batch of uniform
@@ -142,4 +142,4 @@ TEST_P(InstancingTest, skips_voxels_that_others_hide_without_changing_the_pictur
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::instancing_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::interface_scale_test {
 namespace {
 
 TEST(InterfaceScale, follows_the_display_and_is_larger_on_screens_of_many_pixels) {
@@ -32,4 +32,4 @@ TEST(InterfaceScale, goes_through_all_steps_and_stops_at_the_ends) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::interface_scale_test

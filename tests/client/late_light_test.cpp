@@ -14,7 +14,7 @@
 #include "common/base/tbb_executor.h"
 #include "tests/client/renderer_test.h"
 
-namespace pointreel {
+namespace pointreel::late_light_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -170,4 +170,4 @@ TEST_P(LateLight, of_balls_that_touch_is_near_that_of_rays) {
 INSTANTIATE_TEST_SUITE_P(Roughness, LateLight, testing::Values(0.3f, 0.5f, 0.9f));
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::late_light_test

@@ -4,7 +4,7 @@
 
 #include "common/octree/build.h"
 
-namespace pointreel {
+namespace pointreel::layer_choice_test {
 namespace {
 
 Manifest reel(int depth, bool colors = true) {
@@ -105,4 +105,4 @@ TEST(LayerChoice, takes_all_layers_where_a_scalar_field_is_shown) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::layer_choice_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::layer_control_test {
 namespace {
 
 constexpr LayerRange kAll{0, 3, true, true};
@@ -230,4 +230,4 @@ TEST(LayerControl, does_not_limit_reels_of_plain_files) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::layer_control_test

@@ -8,7 +8,7 @@
 
 #include "tests/tree_of_cells.h"
 
-namespace pointreel {
+namespace pointreel::leaf_neighbors_test {
 namespace {
 
 NeighborBits slow_neighbors(const std::set<std::tuple<int, int, int>>& cells, glm::ivec3 at) {
@@ -62,4 +62,4 @@ TEST(LeafNeighbors, hide_a_voxel_from_an_octant_if_they_cover_its_three_faces) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::leaf_neighbors_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::leaf_points_test {
 namespace {
 
 const Cube kCube{{5.0, 0.0, 0.0}, 8.0};
@@ -49,4 +49,4 @@ TEST(LeafPoints, give_leaves_their_radii_but_none_that_leaves_gaps) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::leaf_points_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::light_probe_test {
 namespace {
 
 EnvironmentMap environment(int width, int height, glm::vec3 (*light)(const glm::vec3& direction)) {
@@ -85,4 +85,4 @@ TEST(LightProbe, is_finite_for_a_black_environment) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::light_probe_test

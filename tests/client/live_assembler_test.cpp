@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::live_assembler_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -165,4 +165,4 @@ TEST_F(Assembler, wakes_its_waiting_reader) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::live_assembler_test

@@ -16,7 +16,7 @@
 #include "tests/live_frames.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::live_playback_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -253,4 +253,4 @@ TEST_F(LiveTest, ends_while_frames_are_being_prepared) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::live_playback_test

@@ -9,7 +9,7 @@
 #include "common/octree/build.h"
 #include "tests/executors.h"
 
-namespace pointreel {
+namespace pointreel::node_radii_test {
 namespace {
 
 Svo tree(const std::vector<glm::vec3>& positions, int depth) {
@@ -105,4 +105,4 @@ TEST(NodeRadii, are_the_same_for_any_number_of_threads) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::node_radii_test

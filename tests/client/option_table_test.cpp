@@ -7,7 +7,7 @@
 
 #include "client/options/option_text.h"
 
-namespace pointreel {
+namespace pointreel::option_table_test {
 namespace {
 
 TEST(OptionTable, every_name_is_there_once) {
@@ -79,4 +79,4 @@ TEST(OptionTable, colours_are_read_with_and_without_a_number_sign) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::option_table_test

@@ -8,7 +8,7 @@
 #include "client/render/supersampling.h"
 #include "tests/client/drawing_test.h"
 
-namespace pointreel {
+namespace pointreel::outlines_test {
 namespace {
 
 constexpr glm::ivec2 kSize(160, 120);
@@ -110,4 +110,4 @@ TEST_P(OutlinesTest, are_smoothed_whatever_is_drawn) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::outlines_test

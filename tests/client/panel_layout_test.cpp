@@ -4,7 +4,7 @@
 
 #include "client/ui/timeline.h"
 
-namespace pointreel {
+namespace pointreel::panel_layout_test {
 namespace {
 
 struct Box2 {
@@ -60,4 +60,4 @@ TEST(PanelLayout, gives_panels_all_the_room_that_they_need_where_there_is_enough
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::panel_layout_test

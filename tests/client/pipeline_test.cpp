@@ -10,7 +10,7 @@
 #include "common/base/tbb_executor.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::pipeline_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -400,4 +400,4 @@ TEST(Pipeline, destruction_in_the_middle_of_work_reports_no_error) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::pipeline_test

@@ -13,7 +13,7 @@
 #include "common/command_line/option_words.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::play_command_test {
 namespace {
 
 using testing::HasSubstr;
@@ -233,4 +233,4 @@ TEST_F(PlayCommandTest, colours_may_be_those_of_a_scalar_field) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::play_command_test

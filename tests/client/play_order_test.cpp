@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::play_order_test {
 namespace {
 
 using Frames = std::vector<std::uint32_t>;
@@ -64,4 +64,4 @@ TEST(PlayOrder, counts_the_steps_to_every_frame_that_follows_and_to_no_other) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::play_order_test

@@ -3,7 +3,7 @@
 
 #include "client/session/report.h"
 
-namespace pointreel {
+namespace pointreel::play_report_test {
 namespace {
 
 Manifest reel() {
@@ -109,4 +109,4 @@ TEST(PlayReport, lists_the_chosen_layers_of_frames_and_the_reasons) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::play_report_test

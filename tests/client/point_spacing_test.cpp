@@ -8,7 +8,7 @@
 
 #include "common/octree/build.h"
 
-namespace pointreel {
+namespace pointreel::point_spacing_test {
 namespace {
 
 /// Random points on a sphere of radius 1, and the number of cells that they occupy.
@@ -46,4 +46,4 @@ TEST(PointSpacing, of_points_that_coincide_is_small) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::point_spacing_test

@@ -13,7 +13,7 @@
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 
-namespace pointreel {
+namespace pointreel::prepare_test {
 namespace {
 
 /// Points on a sphere of radius 1 about (10, 0, 0).
@@ -621,4 +621,4 @@ TEST(PrepareFrame, colours_clouds_of_files_by_their_scalar_fields) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::prepare_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::radiance_picture_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -104,4 +104,4 @@ TEST(RadiancePicture, says_which_file_is_missing) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::radiance_picture_test

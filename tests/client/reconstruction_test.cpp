@@ -13,7 +13,7 @@
 
 #include "tests/client/drawing_test.h"
 
-namespace pointreel {
+namespace pointreel::reconstruction_test {
 namespace {
 
 constexpr glm::u16vec3 kRed(0xffff, 0, 0), kGreen(0, 0xffff, 0), kBlue(0, 0, 0xffff);
@@ -207,4 +207,4 @@ TEST_P(ReconstructionTest, every_method_of_instancing_is_filled_in_the_same_way)
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::reconstruction_test

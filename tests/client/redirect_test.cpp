@@ -9,7 +9,7 @@
 #include "client/source/open_source.h"
 #include "tests/scripted_http_server.h"
 
-namespace pointreel {
+namespace pointreel::redirect_test {
 namespace {
 
 using testing::HasSubstr;
@@ -93,4 +93,4 @@ TEST(HttpSource, a_redirect_to_another_port_of_the_host_is_followed) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::redirect_test

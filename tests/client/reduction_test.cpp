@@ -6,7 +6,7 @@
 #include "client/render/opengl/gl_objects.h"
 #include "tests/client/drawing_test.h"
 
-namespace pointreel {
+namespace pointreel::reduction_test {
 namespace {
 
 constexpr glm::ivec2 kSize{97, 61};  // not a multiple of anything
@@ -98,4 +98,4 @@ TEST_P(ReductionTest, looks_up_points_at_pixels_of_the_full_size) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::reduction_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::refinement_test {
 namespace {
 
 constexpr glm::ivec2 kSize{320, 240};
@@ -182,4 +182,4 @@ TEST(Refinement, leaves_frames_without_normals_as_they_are) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::refinement_test

@@ -6,7 +6,7 @@
 
 #include "client/scene/camera.h"
 
-namespace pointreel {
+namespace pointreel::region_test {
 namespace {
 
 constexpr glm::ivec2 kSize(400, 300);
@@ -90,4 +90,4 @@ TEST(Region, gives_the_size_of_an_instance_in_pixels_at_the_middle) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::region_test

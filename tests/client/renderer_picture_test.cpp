@@ -12,7 +12,7 @@
 #include "client/render/opengl/gl_renderer.h"
 #include "tests/client/renderer_test.h"
 
-namespace pointreel {
+namespace pointreel::renderer_picture_test {
 namespace {
 
 TEST_P(RendererTest, presents_the_same_bytes_that_it_reads_back) {
@@ -237,4 +237,4 @@ TEST(Image, is_written_as_png_from_the_top_row_with_the_path_in_errors) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::renderer_picture_test

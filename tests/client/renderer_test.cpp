@@ -11,7 +11,7 @@
 #include "client/render/opengl/gl_renderer.h"
 #include "tests/read_alpha.h"
 
-namespace pointreel {
+namespace pointreel::renderer_test {
 namespace {
 
 INSTANTIATE_TEST_SUITE_P(, RendererTest, kBothRenderers, renderer_name);
@@ -415,4 +415,4 @@ TEST_P(RendererTest, leaves_no_trace_of_a_larger_frame_another_mode_or_another_s
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::renderer_test

@@ -13,7 +13,7 @@
 #include "client/scene/legend.h"
 #include "common/octree/build.h"
 
-namespace pointreel {
+namespace pointreel::scalar_colors_test {
 namespace {
 
 using testing::ElementsAre;
@@ -154,4 +154,4 @@ TEST(LegendPicture, takes_any_text) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::scalar_colors_test

@@ -10,7 +10,7 @@
 #include "common/octree/build.h"
 #include "tests/client/drawing_test.h"
 
-namespace pointreel {
+namespace pointreel::scene_instances_test {
 namespace {
 
 constexpr glm::ivec2 kSize(240, 180);
@@ -160,4 +160,4 @@ TEST_P(SceneInstancesTest, a_moved_frame_is_redrawn) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::scene_instances_test

@@ -12,7 +12,7 @@
 #include "client/options/settings_file.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::settings_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -212,4 +212,4 @@ TEST(Settings, the_default_path_follows_xdg) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::settings_test

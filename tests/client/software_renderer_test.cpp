@@ -16,7 +16,7 @@
 #include "tests/bench/render/image_error.h"
 #include "tests/client/renderer_test.h"
 
-namespace pointreel {
+namespace pointreel::software_renderer_test {
 namespace {
 
 using bench::psnr;
@@ -304,4 +304,4 @@ TEST(SoftwareRenderer, says_what_it_is) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::software_renderer_test

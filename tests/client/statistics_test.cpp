@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::statistics_test {
 namespace {
 
 TEST(TimeSamples, are_zero_if_nothing_was_measured) {
@@ -34,4 +34,4 @@ TEST(TimeSamples, forget_the_oldest_samples_but_not_the_maximum) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::statistics_test

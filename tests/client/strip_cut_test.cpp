@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::strip_cut_test {
 namespace {
 
 /// A tree of one patch, with a single triangle that its sphere and its cone barely hold, and with
@@ -154,4 +154,4 @@ TEST(StripCut, of_nothing_is_empty) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::strip_cut_test

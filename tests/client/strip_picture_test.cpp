@@ -9,7 +9,7 @@
 
 #include "tests/client/renderer_test.h"
 
-namespace pointreel {
+namespace pointreel::strip_picture_test {
 namespace {
 
 /// Strips, as both renderers draw them.
@@ -163,4 +163,4 @@ TEST_P(StripPictureTest, shows_the_next_frame_and_not_the_last) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::strip_picture_test

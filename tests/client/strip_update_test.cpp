@@ -12,7 +12,7 @@
 #include "common/octree/build.h"
 #include "tests/executors.h"
 
-namespace pointreel {
+namespace pointreel::strip_update_test {
 namespace {
 
 constexpr Cube kCube{.origin = {-1.3, -1.3, -1.3}, .edge = 2.6};
@@ -194,4 +194,4 @@ TEST(StripUpdate, bears_frames_without_surfels) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::strip_update_test

@@ -13,7 +13,7 @@
 #include "client/prepare/strip_frame.h"
 #include "tests/executors.h"
 
-namespace pointreel {
+namespace pointreel::strips_test {
 namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
@@ -301,4 +301,4 @@ TEST(StripOrder, needs_few_indices_for_a_ribbon) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::strips_test

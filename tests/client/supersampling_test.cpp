@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::supersampling_test {
 namespace {
 
 TEST(Supersampling, averages_squares_in_linear_light) {
@@ -32,4 +32,4 @@ TEST(Supersampling, preserves_every_uniform_colour) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::supersampling_test

@@ -9,7 +9,7 @@
 
 #include "common/octree/build.h"
 
-namespace pointreel {
+namespace pointreel::tree_radii_test {
 namespace {
 
 /// Random points on a sphere of radius 1.
@@ -190,4 +190,4 @@ TEST(LeafRadii, join_the_points_of_a_line_whose_cells_are_much_finer_than_their_
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::tree_radii_test

@@ -11,7 +11,7 @@
 #include "common/octree/normal_lines.h"
 #include "tests/client/renderer_test.h"
 
-namespace pointreel {
+namespace pointreel::unknown_signs_test {
 namespace {
 
 constexpr glm::u8vec3 kNear(0, 0, 255), kFar(255, 0, 0);
@@ -218,4 +218,4 @@ TEST_P(UnknownSigns, do_not_change_a_picture_of_a_coarse_tree) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::unknown_signs_test

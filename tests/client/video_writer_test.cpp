@@ -20,7 +20,7 @@
 #include "tests/read_file.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::video_writer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -362,4 +362,4 @@ TEST(OpenRecorder, refuses_names_that_are_neither_videos_nor_numbered_pictures) 
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::video_writer_test

@@ -14,7 +14,7 @@
 #include "common/octree/build.h"
 #include "tests/reference/color_decoder.h"
 
-namespace pointreel {
+namespace pointreel::attribute_coder_test {
 namespace {
 
 /// A bumpy closed surface whose colours are waves and noise.
@@ -478,4 +478,4 @@ TEST(CoefficientSteps, halve_with_every_14_steps_of_quality) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::attribute_coder_test

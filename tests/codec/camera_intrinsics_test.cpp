@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::camera_intrinsics_test {
 namespace {
 
 using testing::HasSubstr;
@@ -87,4 +87,4 @@ TEST(CameraIntrinsics, each_fault_is_named) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::camera_intrinsics_test

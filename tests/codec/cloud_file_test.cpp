@@ -7,7 +7,7 @@
 #include "common/cloud/ply.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::cloud_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -194,4 +194,4 @@ TEST(CloudFileOnRealData, every_mesh_of_the_liam_sequence_is_a_standing_person) 
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::cloud_file_test

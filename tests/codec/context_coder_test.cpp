@@ -26,7 +26,7 @@
 #include "tests/reference/context_decoder.h"
 #include "tests/tree_of_cells.h"
 
-namespace pointreel {
+namespace pointreel::context_coder_test {
 namespace {
 
 /// Random cells in clusters, so that some places are dense and some are sparse.
@@ -461,4 +461,4 @@ TEST(ContextTables, are_refused_if_their_number_is_unknown) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::context_coder_test

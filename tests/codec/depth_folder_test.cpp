@@ -9,7 +9,7 @@
 #include "tests/depth_scene.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::depth_folder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -189,4 +189,4 @@ TEST_F(DepthFolder, one_picture_is_no_cloud) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::depth_folder_test

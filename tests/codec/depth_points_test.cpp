@@ -16,7 +16,7 @@
 #include "codec/formats/depth_frame.h"
 #include "tests/depth_scene.h"
 
-namespace pointreel {
+namespace pointreel::depth_points_test {
 namespace {
 
 using testing::ElementsAre;
@@ -203,4 +203,4 @@ TEST(DepthFrame, errors_name_the_part) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::depth_points_test

@@ -15,7 +15,7 @@
 #include "tests/depth_scene.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::depth_video_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -217,4 +217,4 @@ TEST_F(DepthVideo, a_damaged_picture_is_an_error_and_takes_no_place_of_another) 
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::depth_video_test

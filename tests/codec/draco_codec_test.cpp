@@ -18,7 +18,7 @@
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 
-namespace pointreel {
+namespace pointreel::draco_codec_test {
 namespace {
 
 /// The surface of a sphere with unit normals and random colours that are all different.
@@ -501,4 +501,4 @@ TEST(DracoCodec, a_mesh_is_refused_as_a_frame) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::draco_codec_test

@@ -17,7 +17,7 @@
 
 #include "codec/draco/drc_header.h"
 
-namespace pointreel {
+namespace pointreel::drc_reader_test {
 namespace {
 
 using draco::GeometryAttribute;
@@ -385,4 +385,4 @@ TEST(DrcReader, never_crashes_on_truncated_files_or_flipped_bits) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::drc_reader_test

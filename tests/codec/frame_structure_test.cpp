@@ -9,7 +9,7 @@
 #include "common/octree/build.h"
 #include "common/octree/morton.h"
 
-namespace pointreel {
+namespace pointreel::frame_structure_test {
 namespace {
 
 Svo random_tree(std::size_t points, int depth, unsigned seed) {
@@ -102,4 +102,4 @@ TEST(FrameStructure, of_a_tree_without_inner_nodes_is_empty) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::frame_structure_test

@@ -9,7 +9,7 @@
 #include "codec/cloud_file.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::gltf_buffers_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -105,4 +105,4 @@ TEST_F(GltfBuffers, take_no_more_memory_than_allowed_together) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::gltf_buffers_test

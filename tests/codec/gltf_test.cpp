@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::gltf_test {
 namespace {
 
 using testing::ElementsAre;
@@ -152,4 +152,4 @@ TEST(Gltf, any_part_of_a_file_is_refused_in_one_line) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::gltf_test

@@ -12,7 +12,7 @@
 #include "pointreel/draco.h"
 #include "tests/forge.h"
 
-namespace pointreel {
+namespace pointreel::hostile_frames_test {
 namespace {
 
 const DecodeLimits kLimits{1u << 16};
@@ -179,4 +179,4 @@ TEST_P(HostileFrames, are_refused_or_sound_if_any_bit_is_flipped_behind_valid_ch
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::hostile_frames_test

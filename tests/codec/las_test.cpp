@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::las_test {
 namespace {
 
 using testing::Contains;
@@ -167,4 +167,4 @@ TEST(Las, any_part_of_a_file_is_refused_in_one_line) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::las_test

@@ -9,7 +9,7 @@
 #include "tests/ros_messages.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::mcap_test {
 namespace {
 
 using testing::AllOf;
@@ -163,4 +163,4 @@ TEST(Mcap, a_recording_is_a_sequence_of_frames_at_the_times_of_its_messages) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::mcap_test

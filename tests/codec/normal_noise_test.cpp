@@ -10,7 +10,7 @@
 #include "common/octree/build.h"
 #include "pointreel/draco.h"
 
-namespace pointreel {
+namespace pointreel::normal_noise_test {
 namespace {
 
 /// Random points on a sphere of radius 1, whose normals have noise of so many radians in each
@@ -75,4 +75,4 @@ TEST(NormalNoise, is_not_sent_and_clean_normals_keep_their_quality) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::normal_noise_test

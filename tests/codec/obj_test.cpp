@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::obj_test {
 namespace {
 
 using testing::ElementsAre;
@@ -59,4 +59,4 @@ TEST(Obj, errors_say_in_which_line) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::obj_test

@@ -15,7 +15,7 @@
 #include "pointreel/draco.h"
 #include "pointreel/octree.h"
 
-namespace pointreel {
+namespace pointreel::octree_codec_test {
 namespace {
 
 const DecodeLimits kLimits;
@@ -619,4 +619,4 @@ TEST(OctreeCodecForged, more_points_than_the_limit_are_refused) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::octree_codec_test

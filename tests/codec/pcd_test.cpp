@@ -12,7 +12,7 @@
 
 #include "codec/formats/words.h"
 
-namespace pointreel {
+namespace pointreel::pcd_test {
 namespace {
 
 using testing::ElementsAre;
@@ -234,4 +234,4 @@ TEST(Pcd, any_part_of_a_file_is_read_or_refused_in_one_line) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::pcd_test

@@ -14,7 +14,7 @@
 
 #include "tests/depth_scene.h"
 
-namespace pointreel {
+namespace pointreel::picture_test {
 namespace {
 
 using testing::HasSubstr;
@@ -186,4 +186,4 @@ TEST(Picture, what_is_cut_or_damaged_is_an_error_in_one_line_or_another_picture)
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::picture_test

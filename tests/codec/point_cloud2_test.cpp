@@ -9,7 +9,7 @@
 
 #include "tests/ros_messages.h"
 
-namespace pointreel {
+namespace pointreel::point_cloud2_test {
 namespace {
 
 using testing::ElementsAre;
@@ -109,4 +109,4 @@ TEST(PointCloud2, any_part_of_a_message_is_refused_in_one_line) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::point_cloud2_test

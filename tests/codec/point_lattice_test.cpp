@@ -9,7 +9,7 @@
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
 
-namespace pointreel {
+namespace pointreel::point_lattice_test {
 namespace {
 
 /// Points of a lattice, as a reader would store them: rounded to floats around an origin.
@@ -102,4 +102,4 @@ TEST(PointLattice, of_two_clouds_is_the_finer_one_if_it_contains_the_other) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::point_lattice_test

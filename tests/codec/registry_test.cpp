@@ -5,7 +5,7 @@
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
 
-namespace pointreel {
+namespace pointreel::registry_test {
 namespace {
 
 PointCloud two_points() {
@@ -47,4 +47,4 @@ TEST(Registry, reports_an_error_without_layers_or_without_a_frame) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::registry_test

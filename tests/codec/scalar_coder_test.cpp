@@ -14,7 +14,7 @@
 #include "common/cloud/scalar_fields.h"
 #include "pointreel/codec.h"
 
-namespace pointreel {
+namespace pointreel::scalar_coder_test {
 namespace {
 
 using testing::HasSubstr;
@@ -332,4 +332,4 @@ TEST(ScalarRanges, cover_all_frames) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::scalar_coder_test

@@ -14,7 +14,7 @@
 #include "common/octree/morton.h"
 #include "tests/reference/context_decoder.h"
 
-namespace pointreel {
+namespace pointreel::sequence_tables_test {
 namespace {
 
 /// Cells in pairs at a fixed offset, which no surface has, so that there is something to learn.
@@ -111,4 +111,4 @@ TEST(SequenceTables, are_read_alike_by_the_reference_decoder) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::sequence_tables_test

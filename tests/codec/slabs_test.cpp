@@ -15,7 +15,7 @@
 #include "tests/reference/context_decoder.h"
 #include "tests/tree_of_cells.h"
 
-namespace pointreel {
+namespace pointreel::slabs_test {
 namespace {
 
 /// Runs each call in a thread of its own, started in reverse order.
@@ -281,4 +281,4 @@ TEST(OctreeCodec, decodes_the_same_from_any_number_of_slabs_and_threads) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::slabs_test

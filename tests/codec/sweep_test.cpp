@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::sweep_test {
 namespace {
 
 using testing::HasSubstr;
@@ -66,4 +66,4 @@ TEST(Sweep, other_files_are_refused) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::sweep_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::symbol_coder_test {
 namespace {
 
 /// Learns at random, mostly one symbol for a while and then another.
@@ -227,4 +227,4 @@ TEST(SymbolCoder, needs_as_many_bits_as_the_frequencies_imply) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::symbol_coder_test

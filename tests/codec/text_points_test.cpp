@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::text_points_test {
 namespace {
 
 using testing::ElementsAre;
@@ -110,4 +110,4 @@ TEST(TextPoints, more_columns_than_anybody_reads_take_no_memory) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::text_points_test

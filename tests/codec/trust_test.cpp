@@ -12,7 +12,7 @@
 
 #include "pointreel/chunks.h"
 
-namespace pointreel {
+namespace pointreel::trust_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -53,4 +53,4 @@ TEST(Trust, a_reader_without_such_documentation_is_noticed) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::trust_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::algebraic_sphere_test {
 namespace {
 
 glm::dvec3 random_direction(std::mt19937& random) {
@@ -105,4 +105,4 @@ TEST(AlgebraicSphere, has_a_normal_in_its_centre_or_none_at_all) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::algebraic_sphere_test

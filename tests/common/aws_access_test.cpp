@@ -12,7 +12,7 @@
 #include "common/http/store_error.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::aws_access_test {
 namespace {
 
 using testing::HasSubstr;
@@ -151,4 +151,4 @@ TEST(StoreError, the_code_is_found_where_there_is_one) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::aws_access_test

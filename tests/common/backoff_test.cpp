@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::backoff_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -33,4 +33,4 @@ TEST(Backoff, is_shortened_at_random_but_by_no_more_than_a_third) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::backoff_test

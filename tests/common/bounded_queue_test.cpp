@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::bounded_queue_test {
 namespace {
 
 TEST(BoundedQueue, returns_values_in_the_order_of_arrival) {
@@ -77,4 +77,4 @@ TEST(BoundedQueue, closing_wakes_a_waiting_reader_and_a_waiting_writer) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::bounded_queue_test

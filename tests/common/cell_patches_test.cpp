@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::cell_patches_test {
 namespace {
 
 TEST(CellPatches, have_every_crossed_edge_once) {
@@ -38,4 +38,4 @@ TEST(CellPatches, have_at_least_three_edges_each) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::cell_patches_test

@@ -13,7 +13,7 @@
 
 #include "common/base/tbb_executor.h"
 
-namespace pointreel {
+namespace pointreel::clean_test {
 namespace {
 
 /// Points of the unit sphere with Gaussian noise along each axis, with normals and with colours
@@ -464,4 +464,4 @@ TEST(Clean, survives_clouds_that_are_no_surfaces) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::clean_test

@@ -3,16 +3,18 @@
 #include <gtest/gtest.h>
 
 namespace pointreel {
-namespace {
+namespace enum_names_test {
 
 enum class Shape { disc = 1, cube = 4 };
 
-}  // namespace
+}  // namespace enum_names_test
 
 template <>
-inline constexpr auto kEnumNames<Shape> =
-    std::to_array<EnumName<Shape>>({{Shape::disc, "disc"}, {Shape::cube, "cube"}});
+inline constexpr auto kEnumNames<enum_names_test::Shape> =
+    std::to_array<EnumName<enum_names_test::Shape>>(
+        {{enum_names_test::Shape::disc, "disc"}, {enum_names_test::Shape::cube, "cube"}});
 
+namespace enum_names_test {
 namespace {
 
 TEST(EnumNames, every_value_has_a_name_and_every_name_a_value) {
@@ -36,4 +38,5 @@ TEST(EnumNames, the_first_value_follows_the_last) {
 }
 
 }  // namespace
+}  // namespace enum_names_test
 }  // namespace pointreel

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::http_folder_test {
 namespace {
 
 using testing::HasSubstr;
@@ -54,4 +54,4 @@ TEST(HttpFolder, printed_addresses_have_no_secrets) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::http_folder_test

@@ -13,7 +13,7 @@
 #include "common/stream/manifest.h"
 #include "pointreel/package.h"
 
-namespace pointreel {
+namespace pointreel::json_value_test {
 namespace {
 
 using nlohmann::json;
@@ -199,4 +199,4 @@ TEST(JsonFields, refuse_an_object_of_more_members_than_any_of_ours_has) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::json_value_test

@@ -11,7 +11,7 @@
 #include "common/surface/leaf_pairs.h"
 #include "tests/tree_of_cells.h"
 
-namespace pointreel {
+namespace pointreel::leaf_heights_test {
 namespace {
 
 constexpr int kDepth = 6;
@@ -169,4 +169,4 @@ TEST(LeafHeights, are_zero_where_nothing_is_known) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::leaf_heights_test

@@ -13,7 +13,7 @@
 #include "tests/live_frames.h"
 #include "tests/live_layer.h"
 
-namespace pointreel {
+namespace pointreel::live_messages_test {
 namespace {
 
 using testing::HasSubstr;
@@ -240,4 +240,4 @@ TEST(LiveMessages, the_list_of_streams_is_parsed_as_it_was_written) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::live_messages_test

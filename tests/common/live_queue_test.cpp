@@ -10,7 +10,7 @@
 
 #include "tests/live_frames.h"
 
-namespace pointreel {
+namespace pointreel::live_queue_test {
 namespace {
 
 using testing::Contains;
@@ -184,4 +184,4 @@ TEST(LiveQueue, the_end_is_delivered_last_and_never_after_the_publisher_returns)
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::live_queue_test

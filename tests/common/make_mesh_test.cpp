@@ -15,7 +15,7 @@
 
 #include "common/base/tbb_executor.h"
 
-namespace pointreel {
+namespace pointreel::make_mesh_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -358,4 +358,4 @@ TEST(MakeMesh, does_not_depend_on_the_executor) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::make_mesh_test

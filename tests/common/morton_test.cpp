@@ -6,7 +6,7 @@
 
 #include "pointreel/octree.h"
 
-namespace pointreel {
+namespace pointreel::morton_test {
 namespace {
 
 std::uint64_t encode_bit_by_bit(const glm::uvec3& cell) {
@@ -35,4 +35,4 @@ TEST(Morton, holds_the_last_cell_of_level_21_in_63_bits) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::morton_test

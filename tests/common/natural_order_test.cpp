@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::natural_order_test {
 namespace {
 
 TEST(NaturalOrder, puts_frame2_before_frame10) {
@@ -52,4 +52,4 @@ TEST(NaturalOrder, is_a_strict_total_order) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::natural_order_test

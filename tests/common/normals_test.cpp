@@ -14,7 +14,7 @@
 #include "common/surface/openness.h"
 #include "pointreel/octree.h"
 
-namespace pointreel {
+namespace pointreel::normals_test {
 namespace {
 
 constexpr double kTau = 2.0 * std::numbers::pi;
@@ -337,4 +337,4 @@ TEST(Openness, counts_the_directions_that_leave_the_grid) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::normals_test

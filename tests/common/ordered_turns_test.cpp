@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::ordered_turns_test {
 namespace {
 
 TEST(OrderedTurns, come_in_the_order_of_their_numbers) {
@@ -37,4 +37,4 @@ TEST(OrderedTurns, end_even_if_they_fail) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::ordered_turns_test

@@ -4,7 +4,7 @@
 
 #include "common/http/http_transfer.h"
 
-namespace pointreel {
+namespace pointreel::pace_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -25,4 +25,4 @@ TEST(Pace, lets_the_slowest_honest_link_pass_and_no_drip) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::pace_test

@@ -10,7 +10,7 @@
 #include "common/stream/manifest.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::package_test {
 namespace {
 
 using nlohmann::json;
@@ -471,4 +471,4 @@ TEST(Manifest, lists_scalar_fields_with_their_ranges) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::package_test

@@ -4,7 +4,7 @@
 
 #include "common/command_line/shared_options.h"
 
-namespace pointreel {
+namespace pointreel::placement_test {
 namespace {
 
 void expect_near(const glm::dvec3& a, const glm::dvec3& b) {
@@ -45,4 +45,4 @@ TEST(Placement, degrees_are_three_numbers) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::placement_test

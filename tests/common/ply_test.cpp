@@ -18,7 +18,7 @@
 
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::ply_test {
 namespace {
 
 using testing::HasSubstr;
@@ -561,4 +561,4 @@ TEST(Ply, reads_or_refuses_every_truncation) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::ply_test

@@ -7,7 +7,7 @@
 #include "pointreel/cloud.h"
 #include "pointreel/geometry.h"
 
-namespace pointreel {
+namespace pointreel::point_cloud_test {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -111,4 +111,4 @@ TEST(VoxelCube, centres_its_cells_on_multiples_of_the_voxel) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::point_cloud_test

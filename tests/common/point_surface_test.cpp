@@ -13,7 +13,7 @@
 #include "common/surface/place_sums.h"
 #include "pointreel/cpu.h"
 
-namespace pointreel {
+namespace pointreel::point_surface_test {
 namespace {
 
 constexpr float kRadius = 0.15f;
@@ -253,4 +253,4 @@ TEST(PointSurface, of_no_points_is_empty) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::point_surface_test

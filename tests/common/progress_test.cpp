@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-namespace pointreel {
+namespace pointreel::progress_test {
 namespace {
 
 using testing::EndsWith;
@@ -107,4 +107,4 @@ TEST(Progress, counts_ticks_from_any_thread) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::progress_test

@@ -7,7 +7,7 @@
 
 #include "tests/executors.h"
 
-namespace pointreel {
+namespace pointreel::radix_sort_test {
 namespace {
 
 void expect_sorted_like_the_library(std::vector<KeyIndex> items) {
@@ -99,4 +99,4 @@ TEST(RadixSort, sees_a_single_item_that_is_out_of_order_anywhere) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::radix_sort_test

@@ -12,7 +12,7 @@
 #include "tests/executors.h"
 #include "tests/reference/recursive_octree.h"
 
-namespace pointreel {
+namespace pointreel::svo_test {
 namespace {
 
 PointCloud random_shell(std::size_t n, unsigned seed) {
@@ -455,4 +455,4 @@ TEST(Svo, is_the_same_for_any_number_of_threads_wherever_their_blocks_meet) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::svo_test

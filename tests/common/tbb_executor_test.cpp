@@ -12,7 +12,7 @@
 
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::tbb_executor_test {
 namespace {
 
 TEST(TbbExecutor, does_every_job_once_and_waits_for_all) {
@@ -48,4 +48,4 @@ TEST(TbbExecutor, begins_no_unrelated_work_while_it_waits_for_its_jobs) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::tbb_executor_test

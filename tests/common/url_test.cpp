@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::url_test {
 namespace {
 
 TEST(Url, is_taken_apart) {
@@ -59,4 +59,4 @@ TEST(Url, differs_from_a_path_by_its_scheme) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::url_test

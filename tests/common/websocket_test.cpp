@@ -21,7 +21,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::websocket_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -387,4 +387,4 @@ TEST(WebSocketUrl, is_split_into_its_parts) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::websocket_test

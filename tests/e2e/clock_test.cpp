@@ -26,7 +26,7 @@
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::clock_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -221,4 +221,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& of) { return of.param.whose + (of.param.seconds < 0 ? "_back" : "_ahead"); });
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::clock_test

@@ -19,7 +19,7 @@
 #include "tests/e2e/process.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::control_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -230,4 +230,4 @@ TEST_F(Control, every_error_is_printed_in_one_line) {
 }
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::control_test

@@ -24,7 +24,7 @@
 #include "tests/tone.h"
 #include "tests/wait.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::edit_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -169,4 +169,4 @@ TEST_F(EditRecordings, pieces_that_a_crash_has_left_are_joined_and_cut_with_thei
 }
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::edit_test

@@ -20,7 +20,7 @@
 #include "tests/e2e/server_address.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::end_to_end_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -247,4 +247,4 @@ TEST(EndToEndErrors, are_printed_in_one_line_that_names_the_problem_and_its_plac
 }
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::end_to_end_test

@@ -23,7 +23,7 @@
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::fan_out_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -216,4 +216,4 @@ TEST_F(FanOutTest, servers_that_relay_in_a_circle_notice_it_and_keep_the_stream)
 }
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::fan_out_test

@@ -16,7 +16,7 @@
 #include "tests/temporary_folder.h"
 #include "tests/terminal_text.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::foreign_text_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -130,4 +130,4 @@ TEST_F(ForeignText, in_the_answers_of_servers_is_printed_harmlessly) {
 }
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::foreign_text_test

@@ -18,7 +18,7 @@
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::interrupt_test {
 namespace {
 
 using testing::HasSubstr;
@@ -131,4 +131,4 @@ TEST_F(Interrupt, ends_the_player_while_the_lookup_of_a_name_hangs) {
 #endif
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::interrupt_test

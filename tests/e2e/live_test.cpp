@@ -30,7 +30,7 @@
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::live_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -270,4 +270,4 @@ TEST(Live, a_publisher_without_the_token_is_refused_and_gives_up) {
 }
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::live_test

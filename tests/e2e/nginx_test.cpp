@@ -27,7 +27,7 @@
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::nginx_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -278,4 +278,4 @@ TEST_F(NginxTest, a_chain_of_nginx_and_varnish_asks_the_server_once_for_many_vie
 }
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::nginx_test

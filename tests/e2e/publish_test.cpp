@@ -23,7 +23,7 @@
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::publish_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -199,4 +199,4 @@ TEST_F(PublishTest, says_once_that_frames_are_not_cleaned) {
 }
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::publish_test

@@ -22,7 +22,7 @@
 #include "tests/temporary_folder.h"
 #include "tests/tone.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::record_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -195,4 +195,4 @@ TEST_F(Record, an_invalid_camera_path_is_a_usage_error) {
 }
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::record_test

@@ -13,7 +13,7 @@
 #include "tests/e2e/process.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::renderer_choice_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -80,4 +80,4 @@ TEST_F(RendererChoiceTest, takes_the_renderer_that_is_asked_for) {
 }
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::renderer_choice_test

@@ -15,7 +15,7 @@
 #include "tests/e2e/process.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::scalar_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -143,4 +143,4 @@ TEST_F(Scalars, that_las_files_do_not_keep_are_named_in_one_line) {
 }
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::scalar_test

@@ -13,7 +13,7 @@
 #include "tests/e2e/server_address.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::scene_test {
 namespace {
 
 /// A square plate of a single colour that faces the front.
@@ -138,4 +138,4 @@ TEST_F(SceneOfSources, more_positions_than_sources_are_a_usage_error) {
 }
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::scene_test

@@ -13,7 +13,7 @@
 #include "tests/read_file.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::surface_report_test {
 namespace {
 
 using nlohmann::json;
@@ -141,4 +141,4 @@ TEST_F(SurfaceReport, contains_its_plots_and_bars) {
 }
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::surface_report_test

@@ -10,7 +10,7 @@
 #include "tests/e2e/process.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel::e2e {
+namespace pointreel::e2e::truth_test {
 namespace {
 
 using testing::HasSubstr;
@@ -60,4 +60,4 @@ TEST(Truth, reports_an_unknown_sequence_in_one_line) {
 }
 
 }  // namespace
-}  // namespace pointreel::e2e
+}  // namespace pointreel::e2e::truth_test

@@ -16,7 +16,7 @@
 #include "tests/link/link_emulator.h"
 #include "tests/load/load_generator.h"
 
-namespace pointreel {
+namespace pointreel::live_fault_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -166,4 +166,4 @@ TEST_F(LiveOverHttpFault, a_link_with_every_fault_never_shows_a_wrong_picture) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::live_fault_test

@@ -12,7 +12,7 @@
 #include "tests/fault/watcher.h"
 #include "tests/link/link_emulator.h"
 
-namespace pointreel {
+namespace pointreel::package_fault_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -163,4 +163,4 @@ TEST_F(PackageFault, playback_goes_on_over_connections_that_end_early) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::package_fault_test

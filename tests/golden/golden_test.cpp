@@ -22,7 +22,7 @@
 #include "tests/golden/streams.h"
 #include "tests/reference/frame_decoder.h"
 
-namespace pointreel::golden {
+namespace pointreel::golden::golden_test {
 namespace {
 
 const std::filesystem::path kFolder = POINTREEL_SOURCE_DIR "/tests/golden/streams";
@@ -111,7 +111,7 @@ TEST(Golden, the_decoder_written_from_the_format_s_description_agrees_on_every_o
 }
 
 }  // namespace
-}  // namespace pointreel::golden
+}  // namespace pointreel::golden::golden_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -18,7 +18,7 @@
 #include "client/render/opengl/gl_context.h"
 #include "tests/golden/picture_cases.h"
 
-namespace pointreel::golden {
+namespace pointreel::golden::picture_test {
 namespace {
 
 const std::filesystem::path kFolder = POINTREEL_SOURCE_DIR "/tests/golden/pictures";
@@ -129,7 +129,7 @@ TEST(GoldenPictures, mirrored_axes_are_noticed) {
 }
 
 }  // namespace
-}  // namespace pointreel::golden
+}  // namespace pointreel::golden::picture_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -17,7 +17,7 @@
 #include "tests/packed_clouds.h"
 #include "tests/tone.h"
 
-namespace pointreel {
+namespace pointreel::audio_package_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -183,4 +183,4 @@ TEST(OpusReader, passes_on_why_bytes_cannot_be_read) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::audio_package_test

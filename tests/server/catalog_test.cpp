@@ -12,7 +12,7 @@
 
 #include "tests/served_package.h"
 
-namespace pointreel {
+namespace pointreel::catalog_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -363,4 +363,4 @@ TEST_F(CatalogTest, live_resources_come_and_go_and_never_hide_a_package) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::catalog_test

@@ -10,7 +10,7 @@
 
 #include "codec/cloud_file.h"
 
-namespace pointreel {
+namespace pointreel::cloud_files_test {
 namespace {
 
 PointCloud far_cloud() {
@@ -93,4 +93,4 @@ TEST(CloudFiles, npz_is_a_zip_of_arrays_aligned_to_64_bytes) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::cloud_files_test

@@ -24,7 +24,7 @@
 #include "tests/server/recorder_test.h"
 #include "tests/tone.h"
 
-namespace pointreel {
+namespace pointreel::edit_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -466,4 +466,4 @@ TEST_F(RecorderTest, a_recording_is_cut_while_it_grows_and_joined_with_the_next)
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::edit_test

@@ -24,7 +24,7 @@
 #include "server/publish/publisher.h"
 #include "tests/packed_clouds.h"
 
-namespace pointreel {
+namespace pointreel::frame_input_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -414,4 +414,4 @@ TEST(PublishCommand, refuses_contradictory_options_before_it_connects) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::frame_input_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::frame_time_control_test {
 namespace {
 
 constexpr double kBudget = 33.0;
@@ -124,4 +124,4 @@ TEST(FrameTimeControl, never_goes_below_the_least_depth_and_recovers_from_it) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::frame_time_control_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pointreel {
+namespace pointreel::head_reader_test {
 namespace {
 
 using State = HeadReader::State;
@@ -45,4 +45,4 @@ TEST(HeadReader, reads_successive_heads_byte_by_byte) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::head_reader_test

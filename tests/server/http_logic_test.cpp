@@ -12,7 +12,7 @@
 #include "server/serve/request_target.h"
 #include "server/serve/responder.h"
 
-namespace pointreel {
+namespace pointreel::http_logic_test {
 namespace {
 
 using Kind = RangeAnswer::Kind;
@@ -254,4 +254,4 @@ TEST(ResponseHead, ends_with_one_empty_line_and_states_whether_the_connection_pe
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::http_logic_test

@@ -11,7 +11,7 @@
 
 #include "tests/server/http_server_test.h"
 
-namespace pointreel {
+namespace pointreel::http_server_peers_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -307,4 +307,4 @@ TEST_F(HttpServerTest, reports_in_one_line_why_it_cannot_listen) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::http_server_peers_test

@@ -12,7 +12,7 @@
 
 #include "common/stream/manifest.h"
 
-namespace pointreel {
+namespace pointreel::http_server_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -441,4 +441,4 @@ TEST_F(HttpServerTest, exports_its_counters_to_prometheus) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::http_server_test

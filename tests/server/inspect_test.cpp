@@ -15,7 +15,7 @@
 #include "tests/distance/distance.h"
 #include "tests/packed_clouds.h"
 
-namespace pointreel {
+namespace pointreel::inspect_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -348,4 +348,4 @@ TEST_F(Verify, decodes_no_frame_that_takes_more_memory_than_allowed) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::inspect_test

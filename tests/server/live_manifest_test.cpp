@@ -19,7 +19,7 @@
 #include "tests/live_frames.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::live_manifest_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -329,4 +329,4 @@ TEST_F(LiveManifestTest, whatever_is_accepted_gives_manifests_that_readers_accep
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::live_manifest_test

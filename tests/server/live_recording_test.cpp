@@ -24,7 +24,7 @@
 #include "tests/live_frames.h"
 #include "tests/server/recorder_test.h"
 
-namespace pointreel {
+namespace pointreel::live_recording_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -499,4 +499,4 @@ TEST(SinkThread, counts_more_than_the_bytes_of_tiny_layers) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::live_recording_test

@@ -20,7 +20,7 @@
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::live_server_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -446,4 +446,4 @@ TEST_P(LiveServerTest, stops_at_once_with_open_sessions) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::live_server_test

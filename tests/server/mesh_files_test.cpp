@@ -16,7 +16,7 @@
 #include "tests/read_file.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::mesh_files_test {
 namespace {
 
 using nlohmann::json;
@@ -182,4 +182,4 @@ TEST(MeshFiles, a_folder_that_does_not_exist_is_an_error_that_names_the_file) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::mesh_files_test

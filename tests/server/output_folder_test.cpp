@@ -14,7 +14,7 @@
 
 #include "tests/packed_clouds.h"
 
-namespace pointreel {
+namespace pointreel::output_folder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -270,4 +270,4 @@ TEST(OutputFolder, many_programs_at_once_leave_one_whole_folder) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::output_folder_test

@@ -10,7 +10,7 @@
 #include "server/commands.h"
 #include "tests/packed_reel.h"
 
-namespace pointreel {
+namespace pointreel::pack_command_test {
 namespace {
 
 using nlohmann::json;
@@ -366,4 +366,4 @@ TEST(ServerHelp, breaks_the_lines_of_descriptions_only_where_the_next_word_does_
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::pack_command_test

@@ -15,7 +15,7 @@
 #include "tests/distance/distance.h"
 #include "tests/packed_clouds.h"
 
-namespace pointreel {
+namespace pointreel::pack_control_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -185,4 +185,4 @@ TEST_F(PackControl, reports_the_largest_error_and_stores_it_in_the_package) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::pack_control_test

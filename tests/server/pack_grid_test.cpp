@@ -13,7 +13,7 @@
 #include "server/pack/packer.h"
 #include "tests/pack_folder.h"
 
-namespace pointreel {
+namespace pointreel::pack_grid_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -265,4 +265,4 @@ TEST_F(PackGrid, names_each_property_that_it_drops_once) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::pack_grid_test

@@ -16,7 +16,7 @@
 #include "server/pack/inspect.h"
 #include "tests/packed_clouds.h"
 
-namespace pointreel {
+namespace pointreel::packer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -466,4 +466,4 @@ TEST(Spread, consists_of_the_median_and_both_extremes) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::packer_test

@@ -13,7 +13,7 @@
 #include "server/serve/negotiation.h"
 #include "tests/server/http_server_test.h"
 
-namespace pointreel {
+namespace pointreel::page_test {
 namespace {
 
 using testing::HasSubstr;
@@ -149,4 +149,4 @@ TEST(LivePage, takes_the_token_of_a_browser_from_the_subprotocols) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::page_test

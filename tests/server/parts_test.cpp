@@ -20,7 +20,7 @@
 #include "tests/packed_reel.h"
 #include "tests/tone.h"
 
-namespace pointreel {
+namespace pointreel::parts_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -336,4 +336,4 @@ TEST(PartOf, shares_segments_out_evenly) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::parts_test

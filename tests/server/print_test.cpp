@@ -11,7 +11,7 @@
 #include "server/serve/log.h"
 #include "tests/terminal_text.h"
 
-namespace pointreel {
+namespace pointreel::print_test {
 namespace {
 
 TEST(Visible, leaves_text_that_may_be_printed_as_it_is) {
@@ -109,4 +109,4 @@ TEST(Words, numbers_have_no_exponent_where_they_can_be_read_without) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::print_test

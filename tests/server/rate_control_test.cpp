@@ -8,7 +8,7 @@
 #include "pointreel/draco.h"
 #include "pointreel/octree.h"
 
-namespace pointreel {
+namespace pointreel::rate_control_test {
 namespace {
 
 /// A scene whose sizes are known. The size of geometry depends on the levels, that of attributes
@@ -158,4 +158,4 @@ TEST(Coarsening, lowers_bits_of_positions_and_normals_of_draco) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::rate_control_test

@@ -14,7 +14,7 @@
 #include "server/relay/recorded_package.h"
 #include "tests/server/recorder_test.h"
 
-namespace pointreel {
+namespace pointreel::recording_faults_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -399,4 +399,4 @@ TEST_F(RecordingFaultsTest, a_damaged_journal_gives_an_error_or_a_valid_manifest
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::recording_faults_test

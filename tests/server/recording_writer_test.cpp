@@ -7,7 +7,7 @@
 #include "server/write/recording.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::recording_writer_test {
 namespace {
 
 using testing::ElementsAre;
@@ -75,4 +75,4 @@ TEST(RecordingWriter, a_file_that_cannot_be_written_is_an_error_with_its_path) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::recording_writer_test

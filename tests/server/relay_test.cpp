@@ -13,7 +13,7 @@
 
 #include "tests/live_frames.h"
 
-namespace pointreel {
+namespace pointreel::relay_test {
 namespace {
 
 using testing::ElementsAre;
@@ -550,4 +550,4 @@ TEST(Relay, whoever_watches_is_told_the_names_of_streams_when_they_change) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::relay_test

@@ -23,11 +23,11 @@
 #include "tests/served_package.h"
 #include "tests/wait.h"
 
+namespace pointreel::serve_command_test {
 namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-using pointreel::wait_until;
 using testing::HasSubstr;
 
 /// A run of the server's executable, which is ended with the test at the latest.
@@ -130,7 +130,7 @@ class ServeCommandTest : public testing::Test {
     return text;
   }
 
-  pointreel::TemporaryFolder temporary_;
+  TemporaryFolder temporary_;
   fs::path reel_ = temporary_.path() / "walk";
 };
 
@@ -256,7 +256,7 @@ TEST_F(ServeCommandTest, packages_tokens_and_the_certificate_change_while_it_ser
   server.signal(SIGHUP);
   write_file(config, folders);  // as while it is being written
   server.signal(SIGHUP);
-  EXPECT_FALSE(wait_until([&] { return status("/") != 401; }, pointreel::kMoment));
+  EXPECT_FALSE(wait_until([&] { return status("/") != 401; }, kMoment));
   write_file(config, folders + "view-token = \"two\"\n");
   server.signal(SIGHUP);
   EXPECT_TRUE(wait_until([&] { return status(manifest, "Authorization: Bearer two\r\n") == 200; }));
@@ -299,3 +299,4 @@ TEST_F(ServeCommandTest, names_an_unknown_option_of_a_configuration_file) {
 }
 
 }  // namespace
+}  // namespace pointreel::serve_command_test

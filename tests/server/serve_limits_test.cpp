@@ -22,7 +22,7 @@
 #include "server/serve/peer_quota.h"
 #include "server/serve/rate_limiter.h"
 
-namespace pointreel {
+namespace pointreel::serve_limits_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -266,4 +266,4 @@ TEST(Metrics, declare_every_name_once_and_have_a_number_in_every_line) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::serve_limits_test

@@ -13,7 +13,7 @@
 #include "tests/packed_reel.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::stop_signal_test {
 namespace {
 
 void wait_for(const std::stop_token& stop) {
@@ -78,4 +78,4 @@ TEST_F(StopSignals, are_handled_as_before_afterwards) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::stop_signal_test

@@ -17,7 +17,7 @@
 #include "tests/server/tls_http_client.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::tls_server_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -166,4 +166,4 @@ TEST_F(TlsServerTest, reports_certificate_problems_in_one_line) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::tls_server_test

@@ -11,7 +11,7 @@
 #include "server/serve/transport.h"
 #include "server/serve/transport_stream.h"
 
-namespace pointreel {
+namespace pointreel::transport_stream_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -58,4 +58,4 @@ TEST_F(TransportStreamTest, a_write_under_way_outlives_all_other_users_of_the_tr
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::transport_stream_test

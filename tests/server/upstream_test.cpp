@@ -27,7 +27,7 @@
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::upstream_test {
 namespace {
 
 /// Accepts viewers and sends each of them the same bytes after the answer to the upgrade.
@@ -314,4 +314,4 @@ TEST_F(UpstreamTest, a_hostile_list_of_streams_is_refused) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::upstream_test

@@ -15,7 +15,7 @@
 #include "datasets_synthetic/sequences.h"
 #include "datasets_synthetic/trigonometry.h"
 
-namespace pointreel {
+namespace pointreel::body_test {
 namespace {
 
 Box sampled_bounds(const Body& body) {
@@ -255,4 +255,4 @@ TEST(Sequence, frames_and_seeds_differ) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::body_test

@@ -12,7 +12,7 @@
 #include "datasets_synthetic/samplers/uniform.h"
 #include "tests/distance/nearest.h"
 
-namespace pointreel {
+namespace pointreel::closest_point_test {
 namespace {
 
 SurfaceGrid grid_of(Surface surface) {
@@ -141,4 +141,4 @@ TEST(TrueDistance, gives_the_same_for_a_cloud_on_any_number_of_threads) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::closest_point_test

@@ -17,7 +17,7 @@
 #include "datasets_synthetic/sequences.h"
 #include "tests/synth/sampled_bytes.h"
 
-namespace pointreel {
+namespace pointreel::depth_cameras_test {
 namespace {
 
 using Pixel = std::tuple<int, int, int>;  // camera, row, column
@@ -501,4 +501,4 @@ TEST(StillSequence, shows_the_first_pose_in_every_frame_with_new_noise) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::depth_cameras_test

@@ -13,7 +13,7 @@
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/samplers/uniform.h"
 
-namespace pointreel {
+namespace pointreel::ldc_test {
 namespace {
 
 Surface alone(const Primitive& primitive) { return {{primitive}, {{0, 0, 0.0}}}; }
@@ -188,4 +188,4 @@ TEST(LdcSampler, refuses_spacings_that_need_too_many_rays) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::ldc_test

@@ -17,7 +17,7 @@
 #include "datasets_synthetic/motions/track.h"
 #include "datasets_synthetic/surface_grid.h"
 
-namespace pointreel {
+namespace pointreel::motion_test {
 namespace {
 
 Frame frame_of(const Skeleton& frames, Bone bone) { return frames[static_cast<std::size_t>(bone)]; }
@@ -297,4 +297,4 @@ TEST(Flight, touches_the_ball_with_its_surface_against_the_body) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::motion_test

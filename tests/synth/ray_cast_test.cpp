@@ -10,7 +10,7 @@
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/random.h"
 
-namespace pointreel {
+namespace pointreel::ray_cast_test {
 namespace {
 
 glm::dvec3 unit(const glm::dvec3& v) { return v / std::sqrt(glm::dot(v, v)); }
@@ -271,4 +271,4 @@ TEST(RayCast, hit_near_finds_what_first_hit_finds_from_a_place_nearby) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::ray_cast_test

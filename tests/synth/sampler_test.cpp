@@ -10,7 +10,7 @@
 #include "datasets_synthetic/sequences.h"
 #include "tests/synth/sampled_bytes.h"
 
-namespace pointreel {
+namespace pointreel::sampler_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979;
@@ -153,4 +153,4 @@ TEST(UniformSampler, refuses_a_shape_without_a_surface) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::sampler_test

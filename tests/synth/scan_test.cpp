@@ -15,7 +15,7 @@
 #include "datasets_synthetic/sequences.h"
 #include "tests/synth/sampled_bytes.h"
 
-namespace pointreel {
+namespace pointreel::scan_test {
 namespace {
 
 /// Options coarse enough for a fast test.
@@ -331,4 +331,4 @@ TEST(Scan, refuses_options_out_of_range) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::scan_test

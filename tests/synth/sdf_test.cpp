@@ -10,7 +10,7 @@
 
 #include "datasets_synthetic/random.h"
 
-namespace pointreel {
+namespace pointreel::sdf_test {
 namespace {
 
 constexpr double kTurn = 6.283185307179586;
@@ -274,4 +274,4 @@ TEST(Sdf, distances_to_several_blends_equal_those_to_each_alone) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::sdf_test

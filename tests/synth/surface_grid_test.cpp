@@ -10,7 +10,7 @@
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/samplers/uniform.h"
 
-namespace pointreel {
+namespace pointreel::surface_grid_test {
 namespace {
 
 bool within(const glm::ivec3& cell, const glm::ivec3& size) {
@@ -82,4 +82,4 @@ TEST(SurfaceGrid, refuses_surfaces_that_are_empty_not_finite_or_too_large) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::surface_grid_test

@@ -12,7 +12,7 @@
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/samplers/uniform.h"
 
-namespace pointreel {
+namespace pointreel::texture_test {
 namespace {
 
 TEST(Texture, noise_fills_its_range_smoothly_and_has_no_direction) {
@@ -80,4 +80,4 @@ TEST(Texture, a_person_has_as_many_colours_as_a_photograph_and_they_move_with_th
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::texture_test

@@ -11,7 +11,7 @@
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/samplers/uniform.h"
 
-namespace pointreel {
+namespace pointreel::voxelize_test {
 namespace {
 
 /// A body without a skeleton, for shapes that are easily judged.
@@ -214,4 +214,4 @@ TEST(Voxelize, gives_the_same_cloud_on_any_number_of_threads) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::voxelize_test

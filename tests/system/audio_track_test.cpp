@@ -17,7 +17,7 @@
 #include "tests/tone.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::audio_track_test {
 namespace {
 
 /// A minute of a tone that becomes louder, so that each time sounds different.
@@ -165,4 +165,4 @@ TEST_F(AudioTrackTest, keeps_a_bounded_number_of_blocks) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::audio_track_test

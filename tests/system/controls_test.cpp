@@ -8,7 +8,7 @@
 #include "tests/packed_reel.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::controls_test {
 namespace {
 
 using testing::HasSubstr;
@@ -295,4 +295,4 @@ TEST_F(ControlsTest, turning_over_reverses_the_axis_that_points_up_until_somethi
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::controls_test

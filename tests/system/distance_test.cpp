@@ -12,7 +12,7 @@
 
 #include "tests/distance/nearest.h"
 
-namespace pointreel {
+namespace pointreel::distance_test {
 namespace {
 
 PointCloud random_cloud(std::size_t n, unsigned seed, const glm::dvec3& origin) {
@@ -431,4 +431,4 @@ TEST(DistanceSummary, has_the_mean_and_percentiles_by_nearest_rank) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::distance_test

@@ -8,7 +8,7 @@
 #include "tests/bench/scale/request_log.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel::bench {
+namespace pointreel::bench::edges_test {
 namespace {
 
 /// Two layers of 100 and 300 bytes a frame, 10 frames a second, in 36 segments of one second.
@@ -102,4 +102,4 @@ TEST(RequestLogTest, says_what_a_log_must_be) {
 }
 
 }  // namespace
-}  // namespace pointreel::bench
+}  // namespace pointreel::bench::edges_test

@@ -17,7 +17,7 @@
 #include "server/commands.h"
 #include "tests/packed_reel.h"
 
-namespace pointreel {
+namespace pointreel::hard_cases_test {
 namespace {
 
 using testing::AllOf;
@@ -226,4 +226,4 @@ TEST(HardCaseList, has_a_manifest_of_all_files) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::hard_cases_test

@@ -12,7 +12,7 @@
 #include "tests/certificate.h"
 #include "tests/served_package.h"
 
-namespace pointreel {
+namespace pointreel::https_source_test {
 namespace {
 
 using testing::HasSubstr;
@@ -76,4 +76,4 @@ TEST_F(HttpsSource, reports_that_the_token_is_wrong) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::https_source_test

@@ -22,7 +22,7 @@
 
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::link_emulator_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -301,4 +301,4 @@ TEST(LinkScript, names_the_line_of_an_error) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::link_emulator_test

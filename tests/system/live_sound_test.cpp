@@ -20,7 +20,7 @@
 #include "tests/live_frames.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::live_sound_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -279,4 +279,4 @@ TEST(LiveSound, of_a_recording_that_was_cut_anywhere_all_whole_pages_are_found) 
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::live_sound_test

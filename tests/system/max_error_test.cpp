@@ -13,7 +13,7 @@
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
 
-namespace pointreel {
+namespace pointreel::max_error_test {
 namespace {
 
 EncodeOptions octree(int depth) {
@@ -163,4 +163,4 @@ TEST(GeometryError, is_between_the_true_error_and_the_bound) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::max_error_test

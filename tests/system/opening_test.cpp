@@ -14,7 +14,7 @@
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::opening_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -242,4 +242,4 @@ TEST_F(OpeningTest, a_finished_thread_has_cleaned_up_too) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::opening_test

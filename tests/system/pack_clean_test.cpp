@@ -14,7 +14,7 @@
 #include "server/pack/packer.h"
 #include "tests/pack_folder.h"
 
-namespace pointreel {
+namespace pointreel::pack_clean_test {
 namespace {
 
 using PackClean = PackFolder;
@@ -133,4 +133,4 @@ TEST_F(PackClean, the_voxels_of_a_cleaned_scan_close) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::pack_clean_test

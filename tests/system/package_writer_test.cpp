@@ -13,7 +13,7 @@
 #include "server/pack/inspect.h"
 #include "tests/packed_clouds.h"
 
-namespace pointreel {
+namespace pointreel::package_writer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -157,4 +157,4 @@ TEST_F(PackageWriterTest, refuses_what_no_player_would_take) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::package_writer_test

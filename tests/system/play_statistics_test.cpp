@@ -8,7 +8,7 @@
 #include "tests/packed_reel.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::play_statistics_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -133,4 +133,4 @@ TEST_F(StatisticsLinesTest, name_the_sources_if_there_are_several) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::play_statistics_test

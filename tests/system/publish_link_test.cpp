@@ -21,7 +21,7 @@
 #include "tests/packed_clouds.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::publish_link_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -164,4 +164,4 @@ TEST_F(PublishLinkTest, sound_comes_to_those_alone_who_asked_for_it) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::publish_link_test

@@ -13,7 +13,7 @@
 #include "tests/packed_reel.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::reel_playback_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -472,4 +472,4 @@ TEST_F(ReelPlaybackTest, fetches_fewer_or_more_layers_for_another_pixel_size) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::reel_playback_test

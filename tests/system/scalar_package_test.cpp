@@ -15,7 +15,7 @@
 #include "server/pack/inspect.h"
 #include "tests/pack_folder.h"
 
-namespace pointreel {
+namespace pointreel::scalar_package_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -150,4 +150,4 @@ TEST(ReelLayers, count_the_layer_of_scalar_fields_as_the_finest) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::scalar_package_test

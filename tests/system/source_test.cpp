@@ -14,7 +14,7 @@
 #include "tests/small_package.h"
 #include "tests/temporary_folder.h"
 
-namespace pointreel {
+namespace pointreel::source_test {
 namespace {
 
 using testing::HasSubstr;
@@ -201,4 +201,4 @@ TEST_F(PackedSource, does_not_wait_for_a_layer_that_is_a_pipe) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::source_test

@@ -5,7 +5,7 @@
 
 #include "tests/stability/check.h"
 
-namespace pointreel::stability {
+namespace pointreel::stability::stability_test {
 namespace {
 
 void expect_passed(const Checks& checks) {
@@ -52,4 +52,4 @@ TEST(StabilityCheck, is_complete_when_written_as_json) {
 }
 
 }  // namespace
-}  // namespace pointreel::stability
+}  // namespace pointreel::stability::stability_test

@@ -7,7 +7,7 @@
 #include "tests/packed_reel.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::stage_view_test {
 namespace {
 
 constexpr glm::ivec2 kSize(640, 360);
@@ -104,4 +104,4 @@ TEST_F(StageView, shows_two_people_who_stand_far_apart) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::stage_view_test

@@ -6,7 +6,7 @@
 
 #include "tests/stability/surfel_frames.h"
 
-namespace pointreel {
+namespace pointreel::surfel_frame_test {
 namespace {
 
 std::vector<glm::vec3> normals() {
@@ -55,4 +55,4 @@ TEST(SurfelFrame, is_orthonormal_and_right_handed_for_every_normal) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::surfel_frame_test

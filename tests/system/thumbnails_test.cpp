@@ -9,7 +9,7 @@
 #include "tests/packed_reel.h"
 #include "tests/wait.h"
 
-namespace pointreel {
+namespace pointreel::thumbnails_test {
 namespace {
 
 using Frames = std::vector<std::uint32_t>;
@@ -163,4 +163,4 @@ TEST_F(ThumbnailsTest, can_be_destroyed_while_one_is_being_fetched) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::thumbnails_test

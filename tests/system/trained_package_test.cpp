@@ -17,7 +17,7 @@
 #include "server/serve/http_server.h"
 #include "tests/packed_clouds.h"
 
-namespace pointreel {
+namespace pointreel::trained_package_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -169,4 +169,4 @@ TEST_F(TrainedPackage, is_refused_if_its_tables_are_lost_or_changed) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::trained_package_test

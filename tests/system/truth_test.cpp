@@ -12,7 +12,7 @@
 #include "tests/bench/render/scenes.h"
 #include "tests/bench/render/viewpoints.h"
 
-namespace pointreel::bench {
+namespace pointreel::bench::truth_test {
 namespace {
 
 constexpr glm::ivec2 kSize(180, 120);
@@ -172,4 +172,4 @@ TEST(Viewpoints, cover_as_much_of_the_picture_as_they_state) {
 }
 
 }  // namespace
-}  // namespace pointreel::bench
+}  // namespace pointreel::bench::truth_test

@@ -17,7 +17,7 @@
 #include "tests/small_package.h"
 #include "tests/system/fake_store.h"
 
-namespace pointreel {
+namespace pointreel::upload_test {
 namespace {
 
 using testing::AllOf;
@@ -291,4 +291,4 @@ TEST_F(Upload, a_file_of_another_length_or_none_is_an_error_of_its_address) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::upload_test

@@ -14,7 +14,7 @@
 #include "datasets_synthetic/write_hard.h"
 #include "tests/packed_reel.h"
 
-namespace pointreel {
+namespace pointreel::write_sequence_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -155,4 +155,4 @@ TEST(WriteHard, writes_every_case_and_the_manifest) {
 }
 
 }  // namespace
-}  // namespace pointreel
+}  // namespace pointreel::write_sequence_test

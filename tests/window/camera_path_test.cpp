@@ -9,7 +9,7 @@
 
 #include "tests/window/window_test.h"
 
-namespace pointreel::window {
+namespace pointreel::window::camera_path_test {
 namespace {
 
 class CameraPathWindow : public WindowTest {
@@ -73,4 +73,4 @@ TEST_F(CameraPathWindow, the_k_key_records_a_camera_path_that_the_player_follows
 }
 
 }  // namespace
-}  // namespace pointreel::window
+}  // namespace pointreel::window::camera_path_test

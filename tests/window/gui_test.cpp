@@ -17,7 +17,7 @@
 #include "client/ui/window_input.h"
 #include "tests/window/window_test.h"
 
-namespace pointreel::window {
+namespace pointreel::window::gui_test {
 namespace {
 
 class GuiWindow : public WindowTest {
@@ -203,4 +203,4 @@ TEST_F(GuiWindow, the_interface_changes_its_size_while_it_is_shown) {
 }
 
 }  // namespace
-}  // namespace pointreel::window
+}  // namespace pointreel::window::gui_test

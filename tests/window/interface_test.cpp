@@ -11,7 +11,7 @@
 
 #include "tests/window/window_test.h"
 
-namespace pointreel::window {
+namespace pointreel::window::interface_test {
 namespace {
 
 constexpr int kFrames = MovingPlate::kFrames;
@@ -256,4 +256,4 @@ TEST_F(InterfaceWindow, the_interface_is_larger_on_a_4k_screen) {
 }
 
 }  // namespace
-}  // namespace pointreel::window
+}  // namespace pointreel::window::interface_test

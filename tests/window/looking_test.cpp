@@ -7,7 +7,7 @@
 
 #include "tests/window/window_test.h"
 
-namespace pointreel::window {
+namespace pointreel::window::looking_test {
 namespace {
 
 class LookingWindow : public WindowTest {
@@ -227,4 +227,4 @@ TEST_F(LookingWindow, the_u_key_turns_the_scene_upside_down_and_back) {
 }
 
 }  // namespace
-}  // namespace pointreel::window
+}  // namespace pointreel::window::looking_test

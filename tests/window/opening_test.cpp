@@ -14,7 +14,7 @@
 #include "tests/link/link_emulator.h"
 #include "tests/window/window_test.h"
 
-namespace pointreel::window {
+namespace pointreel::window::opening_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -158,4 +158,4 @@ TEST_F(OpeningWindow, a_silent_host_is_reported_and_escape_stops_waiting) {
 }
 
 }  // namespace
-}  // namespace pointreel::window
+}  // namespace pointreel::window::opening_test

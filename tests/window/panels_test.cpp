@@ -8,7 +8,7 @@
 
 #include "tests/window/window_test.h"
 
-namespace pointreel::window {
+namespace pointreel::window::panels_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -124,4 +124,4 @@ TEST_P(PanelsWindow, the_statistics_panel_is_dragged_by_its_title_and_closed_by_
 INSTANTIATE_TEST_SUITE_P(Scales, PanelsWindow, testing::Values(1, 2));
 
 }  // namespace
-}  // namespace pointreel::window
+}  // namespace pointreel::window::panels_test

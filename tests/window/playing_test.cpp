@@ -7,7 +7,7 @@
 
 #include "tests/window/window_test.h"
 
-namespace pointreel::window {
+namespace pointreel::window::playing_test {
 namespace {
 
 using testing::HasSubstr;
@@ -182,4 +182,4 @@ TEST_F(PlayingWindow, closing_the_window_ends_the_player_cleanly) {
 }
 
 }  // namespace
-}  // namespace pointreel::window
+}  // namespace pointreel::window::playing_test

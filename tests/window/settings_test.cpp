@@ -8,7 +8,7 @@
 
 #include "tests/window/window_test.h"
 
-namespace pointreel::window {
+namespace pointreel::window::settings_test {
 namespace {
 
 using testing::HasSubstr;
@@ -83,4 +83,4 @@ TEST_F(SettingsWindow, another_file_or_none_can_be_chosen) {
 }
 
 }  // namespace
-}  // namespace pointreel::window
+}  // namespace pointreel::window::settings_test

@@ -15,7 +15,7 @@
 #include "tests/tone.h"
 #include "tests/window/window_test.h"
 
-namespace pointreel::window {
+namespace pointreel::window::sound_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -109,4 +109,4 @@ TEST_F(SoundWindow, says_that_sound_is_missing_and_plays_on) {
 }
 
 }  // namespace
-}  // namespace pointreel::window
+}  // namespace pointreel::window::sound_test

@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/client/cloud_frame.h"
 #include "tests/client/drawing_test.h"
 
 namespace pointreel::reconstruction_test {
@@ -41,12 +42,6 @@ bool all(const glm::vec3&) { return true; }
 /// Omits a patch that faces the eye.
 bool but_the_front(const glm::vec3& n) { return n.z < 0.9f; }
 
-std::shared_ptr<const SceneFrame> frame_of(PointCloud cloud) {
-  auto frame = std::make_shared<SceneFrame>();
-  frame->cloud = std::move(cloud);
-  return frame;
-}
-
 bool near(const glm::u8vec3& a, const glm::u8vec3& b) {
   const glm::ivec3 apart = glm::abs(glm::ivec3(a) - glm::ivec3(b));
   return std::max({apart.x, apart.y, apart.z}) <= 2;
@@ -63,7 +58,7 @@ class ReconstructionTest : public DrawingTest {
   Image picture(const std::shared_ptr<const SceneFrame>& frame) {
     return draw(frame, camera_, kSize, options_);
   }
-  Image picture(PointCloud cloud) { return picture(frame_of(std::move(cloud))); }
+  Image picture(PointCloud cloud) { return picture(cloud_frame(std::move(cloud))); }
 
   /// The pixel at the middle of the picture, or a share of its height to the right of it.
   static const glm::u8vec3& middle(const Image& image, double right = 0.0) {
@@ -150,7 +145,7 @@ TEST_P(ReconstructionTest, a_gap_between_surfels_is_closed_even_without_a_back_s
       cloud.radii.push_back(0.03f);
     }
   }
-  const auto frame = frame_of(cloud);
+  const auto frame = cloud_frame(cloud);
   const Image image = picture(frame);
   EXPECT_TRUE(near(middle(image), kGreen8));
   // Its outline does not move.
@@ -165,7 +160,7 @@ TEST_P(ReconstructionTest, a_gap_between_surfels_is_closed_even_without_a_back_s
 TEST_P(ReconstructionTest, an_outline_that_leaves_the_picture_does_not_move) {
   PointCloud cloud;
   add_sphere(cloud, glm::vec3(0.0f), 1.0f, kRed, all);
-  const auto frame = frame_of(cloud);
+  const auto frame = cloud_frame(cloud);
   camera_.distance = 2.2;
   for (int i = 0; i < 12; ++i) {
     camera_.target = glm::dvec3(0.06 * i, 0.05 * i, 0.0);
@@ -187,9 +182,9 @@ TEST_P(ReconstructionTest, filling_does_not_depend_on_earlier_pictures) {
   PointCloud holed, other;
   add_sphere(holed, {0.2f, 0.1f, 0.0f}, 0.4f, kRed, but_the_front);
   add_sphere(other, {-0.5f, -0.2f, 0.0f}, 0.8f, kGreen, but_the_front);
-  const auto frame = frame_of(holed);
+  const auto frame = cloud_frame(holed);
   const Image first = picture(frame);
-  picture(frame_of(other));
+  picture(cloud_frame(other));
   const Image again = picture(frame);
   EXPECT_TRUE(first.pixels == again.pixels);
   EXPECT_TRUE(picture(frame).pixels == again.pixels);
@@ -198,7 +193,7 @@ TEST_P(ReconstructionTest, filling_does_not_depend_on_earlier_pictures) {
 TEST_P(ReconstructionTest, every_method_of_instancing_is_filled_in_the_same_way) {
   PointCloud cloud;
   add_sphere(cloud, glm::vec3(0.0f), 1.0f, kRed, but_the_front);
-  const auto frame = frame_of(cloud);
+  const auto frame = cloud_frame(cloud);
   for (const Instancing instancing :
        {Instancing::geometry, Instancing::uniform, Instancing::texture, Instancing::attribute}) {
     options_.instancing = instancing;

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/client/cloud_frame.h"
+
 namespace pointreel::refinement_test {
 namespace {
 
@@ -28,12 +30,6 @@ PointCloud sphere(std::size_t points) {
   return cloud;
 }
 
-std::shared_ptr<const SceneFrame> frame_of(PointCloud cloud) {
-  auto frame = std::make_shared<SceneFrame>();
-  frame->cloud = std::move(cloud);
-  return frame;
-}
-
 Camera camera_at(double distance) {
   Camera camera;
   camera.target = {0.0, 0.0, 1.0};
@@ -44,7 +40,7 @@ Camera camera_at(double distance) {
 TEST(Refinement, divides_a_sphere_into_surfels_of_a_pixel_on_its_surface) {
   const PointCloud cloud = sphere(3'000);
   Refinement refinement;
-  refinement.run(frame_of(cloud), camera_at(0.5), kSize);
+  refinement.run(cloud_frame(cloud), camera_at(0.5), kSize);
   ASSERT_GT(refinement.surfels().size(), 10'000u);
   const double pixel = 2.0 * std::tan(0.5 * Camera{}.fov_y) / kSize.y;
   double of_surfels = 0.0, of_normals = 0.0, of_colors = 0.0;
@@ -78,7 +74,7 @@ TEST(Refinement, keeps_colours_sharp_along_dense_curves_with_gaps_between_them) 
   Camera camera;
   camera.distance = 0.3;
   Refinement refinement;
-  refinement.run(frame_of(plane), camera, kSize);
+  refinement.run(cloud_frame(plane), camera, kSize);
   std::size_t near_edge = 0;
   for (const RefinedSurfel& surfel : refinement.surfels()) {
     if (std::abs(surfel.position.y) > 0.05f) continue;
@@ -96,7 +92,7 @@ TEST(Refinement, leaves_no_gaps_between_surfels) {
   const PointCloud cloud = sphere(3'000);
   Refinement refinement;
   const Camera camera = camera_at(0.5);
-  refinement.run(frame_of(cloud), camera, kSize);
+  refinement.run(cloud_frame(cloud), camera, kSize);
   // Directions that the camera sees in the middle of its picture.
   std::mt19937 random(2);
   std::uniform_real_distribution<float> near(-0.1f, 0.1f);
@@ -112,7 +108,7 @@ TEST(Refinement, leaves_no_gaps_between_surfels) {
 
 TEST(Refinement, leaves_surfels_alone_that_look_small_or_are_not_in_the_picture) {
   Refinement refinement;
-  const auto frame = frame_of(sphere(3'000));
+  const auto frame = cloud_frame(sphere(3'000));
   refinement.run(frame, camera_at(50.0), kSize);
   EXPECT_TRUE(refinement.surfels().empty());
   EXPECT_TRUE(refinement.divided().empty());
@@ -134,7 +130,7 @@ TEST(Refinement, takes_trees_and_clouds_alike) {
   tree->attributes = mean_attributes(tree->svo, cloud, sorted);
   tree->radii.assign(tree->svo.node_count(), cloud.radii[0]);
   Refinement of_cloud, of_tree;
-  of_cloud.run(frame_of(cloud), camera_at(0.5), kSize);
+  of_cloud.run(cloud_frame(cloud), camera_at(0.5), kSize);
   of_tree.run(tree, camera_at(0.5), kSize);
   const auto expected = static_cast<double>(of_cloud.surfels().size());
   EXPECT_NEAR(static_cast<double>(of_tree.surfels().size()), expected, 0.02 * expected);
@@ -146,7 +142,7 @@ TEST(Refinement, makes_a_bounded_number_of_surfels) {
   PointCloud cloud = sphere(20'000);
   std::fill(cloud.radii.begin(), cloud.radii.end(), 0.5f);  // as another sampling might ask for
   Refinement refinement;
-  refinement.run(frame_of(cloud), camera_at(1.5), {4096, 4096});
+  refinement.run(cloud_frame(cloud), camera_at(1.5), {4096, 4096});
   EXPECT_LT(refinement.surfels().size(), 2'000'000u);
 }
 
@@ -164,7 +160,7 @@ TEST(Refinement, survives_frames_that_are_no_surfaces) {
       if (kind == 1 && !cloud.empty()) cloud.normals[0] = glm::vec3(0, 0, -1);
       cloud.radii.assign(cloud.size(), kind == 2 ? 0.0f : kind == 3 ? 1e30f : 0.05f);
       Refinement refinement;
-      refinement.run(frame_of(cloud), camera_at(0.5), kSize);
+      refinement.run(cloud_frame(cloud), camera_at(0.5), kSize);
       for (const RefinedSurfel& surfel : refinement.surfels()) {
         EXPECT_TRUE(std::isfinite(glm::length(surfel.position)));
         EXPECT_NEAR(glm::length(surfel.normal), 1.0f, 1e-3f);
@@ -177,7 +173,7 @@ TEST(Refinement, leaves_frames_without_normals_as_they_are) {
   PointCloud cloud = sphere(1'000);
   cloud.normals.clear();
   Refinement refinement;
-  refinement.run(frame_of(cloud), camera_at(0.5), kSize);
+  refinement.run(cloud_frame(cloud), camera_at(0.5), kSize);
   EXPECT_TRUE(refinement.surfels().empty());
 }
 

@@ -129,8 +129,9 @@ TEST(LegendPicture, lies_in_the_lower_left_corner_and_shows_the_ramp) {
   EXPECT_GT(count(image, ramp_color(1.0)), 4u);
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x)
-      if (x < 6 || x >= 160 || y < 180 || y >= 234)
+      if (x < 6 || x >= 160 || y < 180 || y >= 234) {
         ASSERT_EQ(image.at(x, y), glm::u8vec3(77)) << x << ", " << y;
+      }
   Image other = grey(320, 240);
   draw_legend({"heat", "0", "2", {}}, other);
   EXPECT_NE(other.pixels, image.pixels) << "the numbers are written";

@@ -38,7 +38,7 @@ std::shared_ptr<SceneFrame> frame_of(PointCloud cloud, bool with_cloud) {
   return frame;
 }
 
-DrawOptions plain(DrawMode mode) {
+DrawOptions unlit(DrawMode mode) {
   DrawOptions options;
   options.mode = mode;
   options.lighting = false;
@@ -79,9 +79,9 @@ TEST_P(SceneInstancesTest, two_frames_at_their_places_look_like_one_frame_with_b
                          {frame_of(right, with_cloud), {kShift, 0.0, 0.0}}};
     const auto together = frame_of(both, with_cloud);
     for (const DrawMode mode : kModes) {
-      const Image expected = draw(together, camera_, kSize, plain(mode));
+      const Image expected = draw(together, camera_, kSize, unlit(mode));
       const DrawStats expected_stats = stats_;
-      const Image image = draw(apart, camera_, kSize, plain(mode));
+      const Image image = draw(apart, camera_, kSize, unlit(mode));
       EXPECT_LE(different_pixels(image, expected), 4u) << static_cast<int>(mode) << with_cloud;
       EXPECT_EQ(stats_.drawn, expected_stats.drawn);
       EXPECT_GT(stats_.drawn, 40u);
@@ -97,7 +97,7 @@ TEST_P(SceneInstancesTest, near_frames_hide_far_ones_in_any_order) {
   const PlacedFrame far{frame_of(other, true), {0.0, 0.0, -1.0}};
   for (const DrawMode mode : kModes) {
     for (const Scene& scene : {Scene{near, far}, Scene{far, near}}) {
-      const Image image = draw(scene, camera_, kSize, plain(mode));
+      const Image image = draw(scene, camera_, kSize, unlit(mode));
       const glm::ivec3 middle(image.at(kSize.x / 2, kSize.y / 2));
       EXPECT_GT(middle.x, 200) << static_cast<int>(mode);
       EXPECT_LT(middle.y, 40) << static_cast<int>(mode);
@@ -110,10 +110,10 @@ TEST_P(SceneInstancesTest, a_missing_frame_draws_nothing) {
   add_tile(tile, glm::vec3(0.0f), {0xffff, 0, 0});
   const auto frame = frame_of(tile, false);
   for (const DrawMode mode : kModes) {
-    const Image alone = draw(frame, camera_, kSize, plain(mode));
+    const Image alone = draw(frame, camera_, kSize, unlit(mode));
     const std::uint32_t drawn = stats_.drawn;
     const Image image =
-        draw(Scene{{nullptr, {5.0, 0.0, 0.0}}, {frame}}, camera_, kSize, plain(mode));
+        draw(Scene{{nullptr, {5.0, 0.0, 0.0}}, {frame}}, camera_, kSize, unlit(mode));
     EXPECT_EQ(different_pixels(image, alone), 0u);
     EXPECT_EQ(stats_.drawn, drawn);
   }
@@ -132,7 +132,7 @@ TEST_P(SceneInstancesTest, gaps_between_voxels_are_filled_or_left_by_the_options
   filled->filled = fill_gaps(filled->svo, filled->attributes, 3);
   filled->neighbors = leaf_neighbors(filled->svo);
   for (const float pixel_size : {0.0f, 8.0f}) {  // leaves, and nodes above them
-    DrawOptions options = plain(DrawMode::voxel);
+    DrawOptions options = unlit(DrawMode::voxel);
     options.pixel_size = pixel_size;
     const Image closed = draw(filled, camera_, kSize, options);
     options.fill_holes = false;
@@ -153,8 +153,8 @@ TEST_P(SceneInstancesTest, a_moved_frame_is_redrawn) {
   add_tile(tile, glm::vec3(0.0f), {0xffff, 0, 0});
   const auto frame = frame_of(tile, true);
   for (const DrawMode mode : kModes) {
-    const Image before = draw(Scene{{frame}}, camera_, kSize, plain(mode));
-    const Image after = draw(Scene{{frame, {0.5, 0.0, 0.0}}}, camera_, kSize, plain(mode));
+    const Image before = draw(Scene{{frame}}, camera_, kSize, unlit(mode));
+    const Image after = draw(Scene{{frame, {0.5, 0.0, 0.0}}}, camera_, kSize, unlit(mode));
     EXPECT_GT(different_pixels(before, after), 100u) << static_cast<int>(mode);
   }
 }

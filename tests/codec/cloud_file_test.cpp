@@ -5,7 +5,9 @@
 
 #include "codec/draco/draco_payload.h"
 #include "common/cloud/ply.h"
+#include "tests/paths.h"
 #include "tests/temporary_folder.h"
+#include "tests/view.h"
 
 namespace pointreel::cloud_file_test {
 namespace {
@@ -37,10 +39,6 @@ Bytes drc() {
   // A payload's positions are the centres of cells, counted from the corner of the cube. Here a
   // cell has edge 1.
   return *encode_draco_payload(cloud, Cube{glm::dvec3(0.0), 2048.0}, {}, false, false);
-}
-
-ByteView view(const std::string& text) {
-  return ByteView(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
 }
 
 std::vector<std::string> names(const std::vector<fs::path>& paths) {
@@ -173,7 +171,7 @@ TEST_F(CloudFile, a_missing_input_or_a_folder_without_frames_is_an_error) {
 /// The folder of real captures, which may be missing.
 fs::path real_data() {
   const char* named = std::getenv("POINTREEL_DATA");
-  return named ? fs::path(named) : fs::path(POINTREEL_SOURCE_DIR) / "../shared/data";
+  return named ? fs::path(named) : source_folder() / "../shared/data";
 }
 
 TEST(CloudFileOnRealData, every_mesh_of_the_liam_sequence_is_a_standing_person) {

@@ -22,6 +22,7 @@
 #include "pointreel/cpu.h"
 #include "pointreel/octree.h"
 #include "pointreel/package.h"
+#include "tests/paths.h"
 #include "tests/portable_code.h"
 #include "tests/reference/context_decoder.h"
 #include "tests/tree_of_cells.h"
@@ -277,7 +278,7 @@ TEST(ContextCoder, writes_and_reads_the_same_bytes_with_and_without_bmi2) {
 }
 
 TEST(ContextCoder, agrees_with_the_reference_decoder) {
-  std::ifstream file(POINTREEL_SOURCE_DIR "/codec/octree/tables/1.zst", std::ios::binary);
+  std::ifstream file(source_folder() / "codec/octree/tables/1.zst", std::ios::binary);
   const Bytes tables_file((std::istreambuf_iterator<char>(file)), {});
   const reference::Tables tables1 = reference::read_tables(tables_file);
   std::vector<Svo> trees = small_trees();

@@ -15,6 +15,7 @@
 #include "codec/cloud_file.h"
 #include "codec/formats/depth_frame.h"
 #include "tests/depth_scene.h"
+#include "tests/view.h"
 
 namespace pointreel::depth_points_test {
 namespace {
@@ -123,10 +124,6 @@ TEST(DepthPoints, a_pixel_alone_faces_the_camera) {
   const PointCloud cloud = depth_points(picture_of(5, values), depth_scene::camera(5), nullptr);
   ASSERT_EQ(cloud.size(), 1u);
   EXPECT_LT(glm::distance(cloud.normals[0], -glm::normalize(cloud.positions[0])), 1e-5f);
-}
-
-ByteView view(const std::string& text) {
-  return ByteView(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
 }
 
 Result<LoadedCloud> read_frame(const CameraIntrinsics& camera, const DepthPicture& depth,

@@ -11,6 +11,7 @@
 #include <lzf.h>
 
 #include "codec/formats/words.h"
+#include "tests/view.h"
 
 namespace pointreel::pcd_test {
 namespace {
@@ -18,10 +19,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-ByteView view(const std::string& text) {
-  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
-}
 
 Result<PointCloud> read(const std::string& text, std::vector<std::string>* unread = nullptr) {
   std::vector<std::string> ignored;

@@ -13,6 +13,7 @@
 #include <zlib.h>
 
 #include "tests/depth_scene.h"
+#include "tests/view.h"
 
 namespace pointreel::picture_test {
 namespace {
@@ -20,10 +21,6 @@ namespace {
 using testing::HasSubstr;
 
 constexpr std::uint64_t kMany = 1u << 26;
-
-ByteView view(const std::string& text) {
-  return ByteView(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-}
 
 /// A PNG file of 5 x 7 pixels whose rows are filled with consecutive bytes.
 std::string png_of(int bits, int kind, int interlace) {

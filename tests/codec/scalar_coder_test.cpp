@@ -172,7 +172,8 @@ TEST(Scalars, of_a_leaf_are_the_mean_of_its_points_or_the_label_of_most) {
 TEST(Scalars, are_the_same_with_all_codings_of_geometry_and_eight_at_a_time) {
   Patch made = patch(40);
   for (int i = 0; i < 8; ++i)
-    add(made, "field " + std::to_string(i), [&](const glm::vec3& p) { return p.x * i + p.y; });
+    add(made, "field " + std::to_string(i),
+        [&](const glm::vec3& p) { return p.x * static_cast<float>(i) + p.y; });
   made.options.scalar_steps = {};
   const auto with = [&](Entropy entropy) {
     made.options.entropy = entropy;

@@ -12,6 +12,7 @@
 #include "codec/octree/context_tables.h"
 #include "common/octree/build.h"
 #include "common/octree/morton.h"
+#include "tests/paths.h"
 #include "tests/reference/context_decoder.h"
 
 namespace pointreel::sequence_tables_test {
@@ -94,7 +95,7 @@ TEST(SequenceTables, are_the_same_on_any_number_of_threads) {
 }
 
 TEST(SequenceTables, are_read_alike_by_the_reference_decoder) {
-  std::ifstream in(POINTREEL_SOURCE_DIR "/codec/octree/tables/1.zst", std::ios::binary);
+  std::ifstream in(source_folder() / "codec/octree/tables/1.zst", std::ios::binary);
   const Bytes tables_file((std::istreambuf_iterator<char>(in)), {});
   const std::vector<Svo> trees = patterned_trees(8);
   const Bytes file = learn_tables(trees, 8)->file;

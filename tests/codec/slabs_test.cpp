@@ -11,6 +11,7 @@
 #include "codec/octree/context_coder.h"
 #include "codec/octree/context_tables.h"
 #include "codec/octree/octree_codec.h"
+#include "tests/paths.h"
 #include "tests/portable_code.h"
 #include "tests/reference/context_decoder.h"
 #include "tests/tree_of_cells.h"
@@ -119,7 +120,7 @@ TEST(Slabs, give_the_same_bytes_with_and_without_bmi2) {
 }
 
 TEST(Slabs, agree_with_the_reference_decoder) {
-  std::ifstream file(POINTREEL_SOURCE_DIR "/codec/octree/tables/1.zst", std::ios::binary);
+  std::ifstream file(source_folder() / "codec/octree/tables/1.zst", std::ios::binary);
   const Bytes tables_file((std::istreambuf_iterator<char>(file)), {});
   const std::vector<int> ends = {3, 6, 7};
   for (const int longest : {1, 2}) {

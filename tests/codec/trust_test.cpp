@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "pointreel/chunks.h"
+#include "tests/paths.h"
 
 namespace pointreel::trust_test {
 namespace {
@@ -31,7 +32,7 @@ bool tells_its_trust(const std::string& header) {
 TEST(Trust, every_header_that_reads_bytes_documents_hostile_input) {
   std::vector<std::string> readers, silent;
   for (const char* part : {"common", "codec", "client", "server"}) {
-    const fs::path folder = fs::path(POINTREEL_SOURCE_DIR) / part;
+    const fs::path folder = source_folder() / part;
     for (const auto& entry : fs::recursive_directory_iterator(folder)) {
       if (entry.path().extension() != ".h") continue;
       std::ifstream in(entry.path(), std::ios::binary);

@@ -21,6 +21,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/view.h"
+
 namespace pointreel::websocket_test {
 namespace {
 
@@ -85,10 +87,6 @@ void read_until_closed(PeerStream& stream) {
     beast::flat_buffer buffer;
     stream.read(buffer);
   }
-}
-
-ByteView view(const std::string& text) {
-  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
 WebSocketMessage must_receive(WebSocket& socket) {

@@ -10,6 +10,7 @@
 
 #include "common/cloud/ply.h"
 #include "tests/e2e/process.h"
+#include "tests/paths.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel::e2e::compare_test {
@@ -107,7 +108,7 @@ TEST_F(Compare, omits_rows_of_attributes_that_the_clouds_lack) {
 }
 
 TEST_F(Compare, reads_drc_files) {
-  const std::string file = POINTREEL_SOURCE_DIR "/tests/fuzz/corpus/drc/cloud_sequential.drc";
+  const std::string file = source_folder() / "tests/fuzz/corpus/drc/cloud_sequential.drc";
   const Outcome outcome = compare({file, file, "--json", "-"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(json::parse(outcome.out).at("symmetric").at("max"), 0.0);

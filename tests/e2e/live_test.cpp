@@ -27,6 +27,7 @@
 #include "pointreel/package.h"
 #include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"
+#include "tests/read_file.h"
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
 
@@ -202,11 +203,6 @@ bool limit_files(pid_t pid, rlim_t bytes) {
   return ::prlimit(pid, RLIMIT_FSIZE, &limit, nullptr) == 0;
 }
 
-std::string content(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 TEST(Live, a_recording_stops_while_it_cannot_be_written_and_then_continues) {
   const TemporaryFolder folder;
   const fs::path frames = folder / "frames", said = folder / "said";
@@ -225,9 +221,9 @@ TEST(Live, a_recording_stops_while_it_cannot_be_written_and_then_continues) {
   const fs::path recording = folder / "record" / "stage";
   ASSERT_TRUE(wait_until([&] { return fs::exists(recording / kManifestName); }));
   ASSERT_TRUE(limit_files(server.pid(), 1'000));  // less than a segment, more than a line
-  ASSERT_TRUE(wait_until([&] { return content(said).find("has stopped") != std::string::npos; }));
+  ASSERT_TRUE(wait_until([&] { return read_file(said).find("has stopped") != std::string::npos; }));
   ASSERT_TRUE(limit_files(server.pid(), RLIM_INFINITY));
-  ASSERT_TRUE(wait_until([&] { return content(said).find("continues") != std::string::npos; }));
+  ASSERT_TRUE(wait_until([&] { return read_file(said).find("continues") != std::string::npos; }));
   EXPECT_EQ(publisher.end(SIGINT), 0);
   EXPECT_EQ(server.end(SIGTERM), 0);
   const Outcome verified = run("pointreel-server", {"verify", recording.string()});

@@ -24,6 +24,7 @@
 #include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"
 #include "tests/raw_http_client.h"
+#include "tests/read_file.h"
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
 
@@ -34,11 +35,6 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 using Answer = RawHttpClient::Answer;
-
-std::string content(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// The value of the metric `name` in a page of metrics.
 double metric(const std::string& page, const std::string& name) {
@@ -78,7 +74,7 @@ class NginxTest : public testing::Test {
     const Outcome played = run("pointreel", {"play", source, "--mode", "point", "--offscreen",
                                              "200x150", "--at", "0.05", "--screenshot", file});
     EXPECT_EQ(played.exit_code, 0) << source << ": " << played.err;
-    return content(file);
+    return read_file(file);
   }
 
   /// A cache in front of the server on this port, as live.conf configures it.
@@ -110,7 +106,7 @@ TEST_F(NginxTest, packages_play_from_plain_nginx_exactly_as_from_their_folder) {
   RawHttpClient client((*nginx)->port());
   const Answer part = client.get("/wall/" + base_, "Range: bytes=10-99\r\n");
   EXPECT_EQ(part.status, 206);
-  EXPECT_EQ(part.body, content(folder_ / "reels" / "wall" / base_).substr(10, 90));
+  EXPECT_EQ(part.body, read_file(folder_ / "reels" / "wall" / base_).substr(10, 90));
   EXPECT_EQ(part.field("cache-control"), "public, max-age=31536000, immutable");
   EXPECT_EQ(part.field("access-control-allow-origin"), "*");
   EXPECT_THAT(part.field("access-control-expose-headers"), HasSubstr("Content-Range"));
@@ -144,7 +140,7 @@ TEST_F(NginxTest, nginx_caches_packages_and_forwards_live_streams) {
     const std::string page = RawHttpClient(port).get("/metrics").body;
     return metric(page, "pointreel_http_responses_total{status=\"206\"}");
   };
-  const std::string bytes = content(folder_ / "reels" / "wall" / base_);
+  const std::string bytes = read_file(folder_ / "reels" / "wall" / base_);
   RawHttpClient client(front);
   EXPECT_EQ(client.get("/wall/" + base_, "Range: bytes=1-2\r\n").body, bytes.substr(1, 2));
   const double before = asked();

@@ -9,6 +9,7 @@
 
 #include "common/cloud/ply.h"
 #include "tests/e2e/process.h"
+#include "tests/paths.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel::e2e::output_test {
@@ -18,8 +19,8 @@ namespace fs = std::filesystem;
 
 /// Runs a program whose standard output is a full disk.
 Outcome run_into_full_disk(const std::string& program, std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), {"-c", "exec \"$@\" > /dev/full", "sh",
-                                       std::string(POINTREEL_BIN_DIR) + "/" + program});
+  arguments.insert(arguments.begin(),
+                   {"-c", "exec \"$@\" > /dev/full", "sh", program_folder() / program});
   return run("/bin/sh", arguments);
 }
 
@@ -78,7 +79,7 @@ TEST(Output, a_limit_on_the_size_of_files_is_an_error_and_kills_no_program) {
       {"pointreel-synth", "walk", "--frames", "1", "-o", output("synth")}};
   for (const std::vector<std::string>& command : commands) {
     std::vector<std::string> arguments = {"-c", "ulimit -f 8; exec \"$@\"", "sh"};
-    arguments.push_back(std::string(POINTREEL_BIN_DIR) + "/" + command[0]);
+    arguments.push_back(program_folder() / command[0]);
     arguments.insert(arguments.end(), command.begin() + 1, command.end());
     const Outcome outcome = run("/bin/sh", arguments);
     EXPECT_EQ(outcome.exit_code, 1) << testing::PrintToString(command);

@@ -12,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/paths.h"
 #include "tests/wait.h"
 
 extern char** environ;
@@ -32,8 +33,7 @@ struct Pipe {
 
 pid_t spawn(const std::string& program, std::vector<std::string> arguments, int out, int err,
             const Surroundings& surroundings = {}) {
-  const std::string path =
-      program.starts_with('/') ? program : std::string(POINTREEL_BIN_DIR) + "/" + program;
+  const std::string path = program_folder() / program;  // an absolute path stays as it is
   arguments.insert(arguments.begin(), program);
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());

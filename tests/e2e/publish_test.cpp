@@ -20,6 +20,7 @@
 #include "pointreel/package.h"
 #include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"
+#include "tests/paths.h"
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
 
@@ -138,8 +139,7 @@ TEST_F(PublishTest, tells_what_arrived_before_its_pipe_broke_off) {
                       "(cat \"$1\" \"$2\"; sleep 1; cat \"$1\"; head -c 100 \"$2\") | "
                       "\"$3\" publish -i - --json --to \"$4\"",
                       "sh", (folder_ / "size").string(), frame,
-                      std::string(POINTREEL_BIN_DIR) + "/pointreel-server",
-                      "ws://" + address + "/live/stage"});
+                      program_folder() / "pointreel-server", "ws://" + address + "/live/stage"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("ends within frame 1"));
   const auto report = nlohmann::json::parse(outcome.out, nullptr, false);

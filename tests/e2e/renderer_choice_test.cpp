@@ -11,6 +11,7 @@
 
 #include "common/cloud/ply.h"
 #include "tests/e2e/process.h"
+#include "tests/paths.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel::e2e::renderer_choice_test {
@@ -37,14 +38,13 @@ class RendererChoiceTest : public testing::Test {
   }
 
   Outcome play(const std::string& renderer, bool with_opengl) {
-    std::vector<std::string> arguments = {
-        "-c",           "exec \"$@\"",
-        "sh",           std::string(POINTREEL_BIN_DIR) + "/pointreel",
-        "play",         (folder_ / "frames").string(),
-        "--renderer",   renderer,
-        "--offscreen",  "160x120",
-        "--json",       "-",
-        "--screenshot", (folder_ / "picture.png").string()};
+    std::vector<std::string> arguments = {"-c",           "exec \"$@\"",
+                                          "sh",           program_folder() / "pointreel",
+                                          "play",         (folder_ / "frames").string(),
+                                          "--renderer",   renderer,
+                                          "--offscreen",  "160x120",
+                                          "--json",       "-",
+                                          "--screenshot", (folder_ / "picture.png").string()};
     if (!with_opengl)
       arguments[1] = "LD_LIBRARY_PATH=" + (folder_ / "broken").string() + " exec \"$@\"";
     return run("/bin/sh", arguments);

@@ -20,12 +20,13 @@
 #include "pointreel/octree.h"
 #include "tests/forge.h"
 #include "tests/golden/streams.h"
+#include "tests/paths.h"
 #include "tests/reference/frame_decoder.h"
 
 namespace pointreel::golden::golden_test {
 namespace {
 
-const std::filesystem::path kFolder = POINTREEL_SOURCE_DIR "/tests/golden/streams";
+const std::filesystem::path kFolder = source_folder() / "tests/golden/streams";
 
 Bytes read(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -72,7 +73,7 @@ TEST(Golden, the_encoders_still_make_the_same_bytes) {
 
 TEST(Golden, the_decoder_written_from_the_format_s_description_agrees_on_every_octree) {
   const reference::Tables tables =
-      reference::read_tables(read(POINTREEL_SOURCE_DIR "/codec/octree/tables/1.zst"));
+      reference::read_tables(read(source_folder() / "codec/octree/tables/1.zst"));
   for (const auto& [name, frame] : stored_frames()) {
     if (name.find("draco") != std::string::npos) continue;
     // A bad frame is decoded as a whole; of other frames, every prefix is decoded.

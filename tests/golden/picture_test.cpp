@@ -17,11 +17,12 @@
 
 #include "client/render/opengl/gl_context.h"
 #include "tests/golden/picture_cases.h"
+#include "tests/paths.h"
 
 namespace pointreel::golden::picture_test {
 namespace {
 
-const std::filesystem::path kFolder = POINTREEL_SOURCE_DIR "/tests/golden/pictures";
+const std::filesystem::path kFolder = source_folder() / "tests/golden/pictures";
 
 /// Drivers round differently at the edges of splats, so kPixels pixels may differ by more than
 /// kStep of 255 in a channel.

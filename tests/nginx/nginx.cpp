@@ -17,6 +17,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/paths.h"
+
 namespace pointreel {
 namespace {
 
@@ -117,7 +119,7 @@ Nginx::~Nginx() {
 
 std::string nginx_configuration(
     const std::string& name, const std::vector<std::pair<std::string, std::string>>& replacements) {
-  std::string text = content(fs::path(POINTREEL_SOURCE_DIR) / "server" / "nginx" / name);
+  std::string text = content(source_folder() / "server/nginx" / name);
   for (const auto& [from, to] : replacements) {
     const auto at = text.find(from);
     if (at == std::string::npos)

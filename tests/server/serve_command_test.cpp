@@ -19,6 +19,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/paths.h"
 #include "tests/raw_http_client.h"
 #include "tests/served_package.h"
 #include "tests/wait.h"
@@ -40,7 +41,7 @@ class ServerProcess {
       ADD_FAILURE() << "the pipe cannot be made";
       return;
     }
-    std::vector<std::string> words{POINTREEL_BIN_DIR "/pointreel-server", "serve"};
+    std::vector<std::string> words{program_folder() / "pointreel-server", "serve"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());

@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "client/render/image.h"
+#include "tests/paths.h"
 
 namespace pointreel::window {
 
@@ -36,8 +37,9 @@ void WindowTest::open_sources(std::vector<std::string> arguments) {
   player_.reset();
   // Moves the mouse away from where windows appear.
   display().xdotool({"mousemove", "1599", "999"});
+  const auto crash_report = program_folder() / "libpointreel_crash_report.so";
   auto opened = PlayerWindow::open(
-      display(), {std::move(arguments), folder_.path(), {"LD_PRELOAD=" POINTREEL_CRASH_REPORT}});
+      display(), {std::move(arguments), folder_.path(), {"LD_PRELOAD=" + crash_report.string()}});
   ASSERT_TRUE(opened) << opened.error().message;
   player_ = *std::move(opened);
 }

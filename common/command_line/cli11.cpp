@@ -203,6 +203,7 @@ template Option Command::add_option(Text, std::vector<double>&, Text) const;
 template Option Command::add_option(Text, std::string&, Text) const;
 template Option Command::add_option(Text, Words&, Text) const;
 template Option Command::add_option(Text, std::filesystem::path&, Text) const;
+template Option Command::add_option(Text, std::optional<std::filesystem::path>&, Text) const;
 template Option Command::add_option(Text, Paths&, Text) const;
 
 template <class T>

@@ -1,4 +1,5 @@
-// node screenshot.mjs FILE URL: a picture of the page as soon as it shows a frame, by the program CHROMIUM.
+// node screenshot.mjs FILE URL: a picture of the page as soon as it shows a frame, by the program CHROMIUM. Exits with 77 where
+// there is no such program.
 import { spawn } from "node:child_process";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -6,7 +7,7 @@ import { join } from "node:path";
 
 const [file, url] = process.argv.slice(2), WAIT_MS = 30_000;
 const profile = mkdtempSync(join(tmpdir(), "pointreel-page-"));
-const browser = spawn(process.env.CHROMIUM ?? "chromium", [
+const browser = spawn(process.env.CHROMIUM || "chromium", [
   "--headless", "--remote-debugging-pipe", `--user-data-dir=${profile}`, "--use-angle=swiftshader",
   "--enable-unsafe-swiftshader", "--hide-scrollbars", "--window-size=1280,720",
   ...(process.getuid() === 0 ? ["--no-sandbox"] : []),  // Chromium has none for root
@@ -44,8 +45,10 @@ const ends = new Promise((_, reject) => {
 try {
   writeFileSync(file, Buffer.from(await Promise.race([picture(), ends]), "base64"));
 } catch (error) {
-  console.error(`Chromium made no picture of the page: ${error.message}`);
-  process.exitCode = 1;
+  const isMissing = error.code === "ENOENT" && error.syscall?.startsWith("spawn");
+  console.error(isMissing ? "There is no Chromium, so there is no picture of the page: apt-get install chromium"
+                          : `Chromium made no picture of the page: ${error.message}`);
+  process.exitCode = isMissing ? 77 : 1;
 }
 browser.removeAllListeners("exit").kill();
 await new Promise((resolve) => (browser.exitCode === null && browser.pid ? browser.once("exit", resolve) : resolve()));

@@ -2,11 +2,11 @@
 import { chromium } from "playwright-core";
 
 /**
- * `angle`: what draws. SwiftShader is what Chromium has without a graphics card; "gl-egl" is the
- * system's OpenGL, which the desktop player draws with, too. The two place points and the edges of
- * triangles with different precision.
+ * `angle`: what draws. "gl-egl" is the system's OpenGL, which the desktop player draws with, too. "swiftshader" is what
+ * Chromium has without a graphics card; it takes a second more to compile the page's shaders. The two place points and
+ * the edges of triangles with different precision.
  */
-export const openBrowser = (angle = "swiftshader") => chromium.launch({
+export const openBrowser = (angle = "gl-egl") => chromium.launch({
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
   args: ["--no-sandbox", `--use-angle=${angle}`, "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
 });

@@ -24,6 +24,7 @@ const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(45, 1, 0.1
 scene.background = new THREE.Color(0xff00ff);
 const mesh = (color, map = null) => new THREE.Mesh(new THREE.PlaneGeometry(4, 4), new THREE.MeshBasicMaterial({ color, map, side: THREE.DoubleSide }));
 const plane = mesh(0x00ff00), person = new PointreelObject(renderer);
+person.player.adapt = () => undefined;  // pictures that come too slowly would have fewer pixels
 // What is drawn after the reel, by a picture whose rows are turned over when it is uploaded: its upper half is blue.
 const canvas = Object.assign(document.createElement("canvas"), { width: 2, height: 2 });
 Object.assign(canvas.getContext("2d"), { fillStyle: "#0000ff" }).fillRect(0, 0, 2, 1);

@@ -194,6 +194,7 @@ using Paths = std::vector<std::filesystem::path>;
 using Text = const std::string&;
 
 template Option Command::add_option(Text, int&, Text) const;
+template Option Command::add_option(Text, std::uint16_t&, Text) const;
 template Option Command::add_option(Text, unsigned&, Text) const;
 template Option Command::add_option(Text, std::size_t&, Text) const;
 template Option Command::add_option(Text, double&, Text) const;

@@ -51,6 +51,11 @@ void close_with_reset(int socket) {
   ::close(socket);
 }
 
+}  // namespace
+
+/// What the loop consists of.
+namespace link_emulator {
+
 struct Piece {
   Time due;
   std::vector<char> bytes;
@@ -78,7 +83,9 @@ struct Connection {
   Direction up, down;
 };
 
-}  // namespace
+}  // namespace link_emulator
+
+using namespace link_emulator;
 
 class LinkEmulator::Loop {
  public:

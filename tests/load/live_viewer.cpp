@@ -14,8 +14,6 @@
 namespace pointreel {
 namespace {
 
-constexpr std::size_t kMaxHead = 4096;
-
 /// The part of RFC 6455 that a viewer needs if it looks only at the first bytes of each message.
 class LiveViewer : public CrowdMember {
  public:

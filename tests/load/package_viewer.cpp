@@ -16,7 +16,6 @@ namespace {
 
 /// A viewer that is this many frames behind requests nothing more.
 constexpr std::size_t kMostBehind = 30;
-constexpr std::size_t kMaxHead = 4096;
 
 class PackageViewer : public CrowdMember {
  public:

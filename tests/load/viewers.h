@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -11,6 +12,9 @@
 #include "tests/load/load_figures.h"
 
 namespace pointreel {
+
+/// No answer of our server has a longer head.
+inline constexpr std::size_t kMaxHead = 4096;
 
 /// The requests for the frames of a package, written once for all viewers.
 struct PackageRequests {

@@ -34,7 +34,7 @@ class Alphabets {
   /// halve from symbol to symbol.
   Alphabet& operator()(const char* name, int used, std::initializer_list<std::int64_t> numbers) {
     std::string key = name;
-    for (const std::int64_t number : numbers) key += " " + std::to_string(number);
+    for (const std::int64_t number : numbers) key.append(" ").append(std::to_string(number));
     const auto found = all_.find(key);
     if (found != all_.end()) return found->second;
     const Alphabet made = used == 0 ? Alphabet({128, 64, 32, 16, 8, 4, 2, 2}) : Alphabet(8, used);

@@ -18,11 +18,11 @@
 namespace pointreel::stability {
 namespace {
 
-constexpr std::size_t kPoints = 60;
+constexpr std::size_t kStreamedPoints = 60;
 constexpr int kDepth = 8;
 
 void check_damage(const Setting& setting, Checks& checks) {
-  const PointCloud cloud = ball_cloud(kPoints);
+  const PointCloud cloud = ball_cloud(kStreamedPoints);
   const auto encoded = encode_frame(cloud, bounding_cube(bounds(cloud)), setting.options);
   if (!encoded || !decode_frame(layer_views(encoded->layers))) {
     checks.push_back({"stream", "truncated at every byte", "an error",

@@ -1,5 +1,3 @@
-//   audio_fuzz -max_len=65536 CORPUS_COPY tests/fuzz/corpus/audio
-
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -8,21 +6,16 @@
 
 #include "common/audio/opus_reader.h"
 #include "tests/fuzz/ogg_checksums.h"
+#include "tests/fuzz/target.h"
 
-namespace {
-
-using namespace pointreel;
-
-void check(const Error& error) {
-  if (error.message.empty() || error.message.find('\n') != std::string::npos) std::abort();
-}
+namespace pointreel::fuzz::audio {
 
 /// Reads on, for a second of sound at most.
 void read(OpusReader& reader) {
   std::vector<StereoSample> buffer(kAudioRate / 10);
   for (int i = 0; i < 10; ++i) {
     const auto got = reader.read(buffer);
-    if (!got) return check(got.error());
+    if (!got) return require(one_line(got.error().message));
     if (got->samples > buffer.size()) std::abort();
     if (got->samples == 0) return;
     for (std::size_t n = 0; n < got->samples; ++n)
@@ -39,7 +32,7 @@ void read_packets(const std::vector<std::uint8_t>& bytes) {
   std::int64_t end = -static_cast<std::int64_t>(head.skip);
   for (;;) {
     const auto got = reader->packets();
-    if (!got) return check(got.error());
+    if (!got) return require(one_line(got.error().message));
     if (got->packets.empty()) return;
     for (const OpusReader::Packet& packet : got->packets) {
       if (packet.first < end || packet.end < packet.first) std::abort();
@@ -50,25 +43,24 @@ void read_packets(const std::vector<std::uint8_t>& bytes) {
   }
 }
 
-}  // namespace
+}  // namespace pointreel::fuzz::audio
 
 /// Any bytes give packets, and samples from -1 to 1, from any place on, or an error of one line.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  std::vector<std::uint8_t> bytes(data, data + size);
+FUZZ_TARGET(audio, .longest = 1 << 16) {
+  std::vector<std::uint8_t> bytes(input.begin(), input.end());
   set_checksums(bytes);
   auto reader = OpusReader::open(bytes);
   if (!reader) {
-    check(reader.error());
-    return 0;
+    require(one_line(reader.error().message));
+    return;
   }
   read(*reader);
   read_packets(bytes);
   for (const std::uint64_t sample : {reader->samples() / 2, std::uint64_t{0}, reader->samples()}) {
     if (const auto sought = reader->seek(sample); !sought) {
-      check(sought.error());
+      require(one_line(sought.error().message));
     } else {
       read(*reader);
     }
   }
-  return 0;
 }

@@ -7,12 +7,12 @@
 
 #include "common/http/aws_files.h"
 #include "common/http/store_error.h"
+#include "tests/fuzz/target.h"
 
 /// Files with keys, and answers of object stores, may be anything. What is read of them stands in
 /// them, on one line, and a code has nothing but letters and digits.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace pointreel;
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
+FUZZ_TARGET(aws_files) {
+  const std::string_view text = as_text(input);
   for (const AwsFile kind : {AwsFile::credentials, AwsFile::config}) {
     for (const char* name : {"default", "work"}) {
       AwsProfile profile;
@@ -35,5 +35,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
   });
   if (!plain) std::abort();
-  return 0;
 }

@@ -1,5 +1,3 @@
-//   camera_path_fuzz -max_len=262144 CORPUS_COPY tests/fuzz/corpus/camera_path
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,28 +6,24 @@
 #include <string_view>
 
 #include "client/scene/camera_path.h"
-#include "tests/fuzz/repetition.h"
+#include "tests/fuzz/target.h"
 
-namespace {
-
-using pointreel::Camera;
-using pointreel::CameraKey;
+namespace pointreel::fuzz::camera_path {
 
 bool between(double value, double a, double b) {
   const double slack = 1e-9 * std::max({1.0, std::abs(a), std::abs(b)});
   return value >= std::min(a, b) - slack && value <= std::max(a, b) + slack;
 }
 
-}  // namespace
+}  // namespace pointreel::fuzz::camera_path
 
 /// An accepted path gives a camera at every time, which does not overshoot the values of the keys
 /// around it. Writing and parsing the path again changes at most the last digits of angles.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace pointreel;
-  const auto path = parse_camera_path({reinterpret_cast<const char*>(data), size});
+FUZZ_TARGET(camera_path, .longest = 1 << 18, .repeats = true) {
+  const auto path = parse_camera_path(as_text(input));
   if (!path) {
     if (path.error().message.empty()) std::abort();
-    return 0;
+    return;
   }
   const Camera framed;
   for (std::size_t i = 0; i < path->keys.size(); ++i) {
@@ -59,5 +53,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         is.fov_y.has_value() != was.fov_y.has_value())
       std::abort();
   }
-  return 0;
 }

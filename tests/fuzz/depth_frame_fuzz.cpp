@@ -2,8 +2,4 @@
 // limits, or an error.
 #include "tests/fuzz/read_points.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const pointreel::ByteView bytes(data, size);
-  if (read_points(bytes, pointreel::CloudFormat::depth_frame) > (1u << 20)) std::abort();
-  return 0;
-}
+FUZZ_TARGET(depth_frame) { require(read_points(input, CloudFormat::depth_frame) <= (1u << 20)); }

@@ -1,5 +1,3 @@
-//   encoded_bytes_fuzz -max_len=16384 CORPUS_COPY tests/fuzz/corpus/encoded_bytes
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -7,10 +5,9 @@
 
 #include "client/bindings/frames/encoded_bytes.h"
 #include "common/stream/live.h"
+#include "tests/fuzz/target.h"
 
-using namespace pointreel;
-
-namespace {
+namespace pointreel::fuzz::encoded_bytes {
 
 /// Removes `size` bytes, or all that are left, from the front.
 ByteView take(ByteView& bytes, std::size_t size) {
@@ -39,21 +36,21 @@ Bytes with_headers(ByteView input) {
   return bytes;
 }
 
-}  // namespace
+}  // namespace pointreel::fuzz::encoded_bytes
 
 /// Decodes a single frame from bytes. What is accepted has arrays that go together; what is not has
 /// a message, and no memory beyond the limit is taken.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  if (size == 0) return 0;
-  const ByteView input(data + 1, size - 1);
-  const Bytes bytes = data[0] % 2 == 0 ? Bytes(input.begin(), input.end()) : with_headers(input);
+FUZZ_TARGET(encoded_bytes, .longest = 1 << 14) {
+  if (input.empty()) return;
+  const ByteView rest = input.subspan(1);
+  const Bytes bytes = input[0] % 2 == 0 ? Bytes(rest.begin(), rest.end()) : with_headers(rest);
   ReadLimits limits;
   limits.max_memory = std::uint64_t{64} << 20;
-  limits.layers = data[0] / 2 % 4 == 0 ? kAllLayers : data[0] / 2 % 4;
+  limits.layers = input[0] / 2 % 4 == 0 ? kAllLayers : input[0] / 2 % 4;
   const auto frame = decode_bytes(bytes, limits);
   if (!frame) {
     if (frame.error().message.empty()) std::abort();
-    return 0;
+    return;
   }
   const PointCloud& cloud = (*frame)->cloud;
   if ((cloud.has_colors() && cloud.colors.size() != cloud.size()) ||
@@ -61,5 +58,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       (*frame)->layers > limits.layers) {
     std::abort();
   }
-  return 0;
 }

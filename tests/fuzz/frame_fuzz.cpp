@@ -3,24 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
 #include "pointreel/octree.h"
 #include "tests/forge.h"
+#include "tests/fuzz/target.h"
 
-using namespace pointreel;
-
-namespace {
+namespace pointreel::fuzz::frame {
 
 const DecodeLimits kLimits{1u << 16, std::uint64_t{256} << 20};
 
-void require(bool condition) {
-  if (!condition) std::abort();
-}
-
-/// Reads the input byte by byte, and zeros after its end.
+/// Reads an input byte by byte, and zeros after its end.
 class Input {
  public:
   explicit Input(ByteView bytes) : rest_(bytes) {}
@@ -115,20 +109,20 @@ void change(EncodedFrame& frame, Input& input) {
   mend(frame);
 }
 
-}  // namespace
+}  // namespace pointreel::fuzz::frame
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  Input input({data, size});
-  const EncodeOptions options = options_of(input);
+FUZZ_TARGET(frame) {
+  Input rest(input);
+  const EncodeOptions options = options_of(rest);
   const auto* octree = std::get_if<OctreeOptions>(&options.codec);
   const bool slabs = octree != nullptr && octree->slabs > 0;
-  const PointCloud cloud = slabs ? sheet(input) : cloud_of(input);
+  const PointCloud cloud = slabs ? sheet(rest) : cloud_of(rest);
   auto frame = encode_frame(cloud, Cube{}, options);
   require(frame.has_value());
   require(decode_frame(layer_views(frame->layers), kLimits).has_value());
-  change(*frame, input);
+  change(*frame, rest);
   const auto decoded = decode_frame(layer_views(frame->layers), kLimits);
-  if (!decoded) return 0;
+  if (!decoded) return;
   const PointCloud& out = decoded->cloud;
   require(out.size() <= kLimits.max_points);
   require(out.colors.empty() || out.colors.size() == out.size());
@@ -139,5 +133,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       require(p[axis] >= 0.0f && p[axis] <= 1.00001 * decoded->cube.edge);
     }
   }
-  return 0;
 }

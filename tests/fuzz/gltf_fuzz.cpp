@@ -3,10 +3,7 @@
 #include "codec/formats/gltf_buffers.h"
 #include "tests/fuzz/read_points.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const pointreel::ByteView bytes(data, size);
-  if (read_points(bytes, pointreel::CloudFormat::gltf) > (1u << 20)) std::abort();
-  if (pointreel::embed_gltf_buffers(bytes, "/nonexistent", 1u << 20).value_or(std::nullopt))
-    std::abort();
-  return 0;
+FUZZ_TARGET(gltf) {
+  require(read_points(input, CloudFormat::gltf) <= (1u << 20));
+  require(!embed_gltf_buffers(input, "/nonexistent", 1u << 20).value_or(std::nullopt));
 }

@@ -1,6 +1,4 @@
 // What a killed program left of the sound of a recording.
-//   left_sound_fuzz -max_len=65536 CORPUS_COPY tests/fuzz/corpus/audio
-
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -9,19 +7,18 @@
 #include "common/audio/opus_reader.h"
 #include "server/relay/left_sound.h"
 #include "tests/fuzz/ogg_checksums.h"
+#include "tests/fuzz/target.h"
 
 /// What is found lies in the file, and is found again in what was found. A reader opens it or says
 /// in one line why not.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace pointreel;
-  std::vector<std::uint8_t> bytes(data, data + size);
+FUZZ_TARGET(left_sound, .longest = 1 << 16) {
+  std::vector<std::uint8_t> bytes(input.begin(), input.end());
   set_checksums(bytes);
   const LeftSound left = find_left_sound(bytes);
-  if (left.bytes > size || (left.bytes == 0 && left.samples != 0)) std::abort();
+  if (left.bytes > input.size() || (left.bytes == 0 && left.samples != 0)) std::abort();
   const ByteView front = ByteView(bytes).first(left.bytes);
   const LeftSound again = find_left_sound(front);
   if (again.bytes != left.bytes || again.samples != left.samples) std::abort();
   const auto reader = OpusReader::open(front);
   if (!reader && reader.error().message.empty()) std::abort();
-  return 0;
 }

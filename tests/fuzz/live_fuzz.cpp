@@ -1,5 +1,3 @@
-//   live_fuzz -max_len=65536 CORPUS_COPY tests/fuzz/corpus/live
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -7,20 +5,19 @@
 #include <string>
 #include <string_view>
 
-#include "tests/fuzz/repetition.h"
+#include "tests/fuzz/target.h"
 #include "tests/live_layer.h"
 
 /// Parses messages of live streams, which are text or binary as the first byte says. An accepted
 /// message must satisfy what the parser guarantees, and writing it must restore the input.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace pointreel;
-  if (size == 0) return 0;
-  const ByteView message(data + 1, size - 1);
-  if (data[0] % 2 == 0) {
+FUZZ_TARGET(live, .longest = 1 << 16, .repeats = true) {
+  if (input.empty()) return;
+  const ByteView message = input.subspan(1);
+  if (input[0] % 2 == 0) {
     const auto layer = parse_live_layer(message);
     if (!layer) {
       if (layer.error().message.empty()) std::abort();
-      return 0;
+      return;
     }
     if (layer->layer >= layer->layers || layer->sizes.geometry == 0 ||
         total(layer->sizes) != layer->bytes.size()) {
@@ -28,9 +25,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     const Bytes again = write_live_layer(*layer);
     if (!std::equal(again.begin(), again.end(), message.begin(), message.end())) std::abort();
-    return 0;
+    return;
   }
-  const std::string_view view(reinterpret_cast<const char*>(message.data()), message.size());
+  const std::string_view view = as_text(message);
   if (const auto publisher = parse_publisher_text(view); publisher && *publisher) {
     const std::string written = write_publisher_hello((*publisher)->hello, (*publisher)->secret);
     const auto again = parse_publisher_text(written).value().value();
@@ -39,7 +36,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto text = parse_live_text(view);
   if (!text) {
     if (text.error().message.empty()) std::abort();
-    return 0;
+    return;
   }
   if (const auto* hello = std::get_if<LiveHello>(&*text)) {
     const std::string written = write_hello(*hello);
@@ -54,5 +51,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       std::abort();
     }
   }
-  return 0;
 }

@@ -1,6 +1,4 @@
 // Sound of live streams, from a hostile publisher through the viewer's decoder.
-//   live_sound_fuzz -max_len=8192 CORPUS_COPY tests/fuzz/corpus/live_sound
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -12,15 +10,15 @@
 #include "client/audio/live_track.h"
 #include "common/base/byte_io.h"
 #include "common/stream/live_sound.h"
+#include "tests/fuzz/target.h"
 
 /// The input is messages, each behind its size in two bytes. Whatever is accepted is written again
 /// as it was, and what is heard of it is finite. The header's checksum is made right, or the fuzzer
 /// would not get past it.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace pointreel;
-  (void)parse_live_sound_file({data, size});
+FUZZ_TARGET(live_sound, .longest = 1 << 13) {
+  (void)parse_live_sound_file(input);
   LiveTrack track;
-  ByteView rest(data, size);
+  ByteView rest = input;
   while (rest.size() > 2) {
     const std::size_t length = std::min<std::size_t>(rest[0] + 256u * rest[1], rest.size() - 2);
     Bytes message(rest.begin() + 2, rest.begin() + 2 + static_cast<std::ptrdiff_t>(length));
@@ -51,5 +49,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const StereoSample& sample : heard)
       if (!std::isfinite(sample.left) || !std::isfinite(sample.right)) std::abort();
   }
-  return 0;
 }

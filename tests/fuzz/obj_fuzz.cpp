@@ -1,8 +1,4 @@
 // Reading any bytes as OBJ gives a cloud or an error, and no more points than bytes.
 #include "tests/fuzz/read_points.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const pointreel::ByteView bytes(data, size);
-  if (read_points(bytes, pointreel::CloudFormat::obj) > size) std::abort();
-  return 0;
-}
+FUZZ_TARGET(obj) { require(read_points(input, CloudFormat::obj) <= input.size()); }

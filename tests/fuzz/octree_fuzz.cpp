@@ -10,10 +10,9 @@
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
 #include "pointreel/octree.h"
+#include "tests/fuzz/target.h"
 
-using namespace pointreel;
-
-namespace {
+namespace pointreel::fuzz::octree {
 
 const DecodeLimits kLimits{1u << 20};
 
@@ -110,24 +109,24 @@ void check_tables(ByteView bytes) {
   if (!tree || !same || tree->svo.masks != same->svo.masks) std::abort();
 }
 
-}  // namespace
+}  // namespace pointreel::fuzz::octree
 
 /// A frame that decodes must be consistent, and stay the same when it is encoded and decoded again.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  if (size == 0) return 0;
-  const ByteView bytes(data + 1, size - 1);
-  if (data[0] == 0xff) {
+FUZZ_TARGET(octree) {
+  if (input.empty()) return;
+  const ByteView bytes = input.subspan(1);
+  if (input[0] == 0xff) {
     check_tables(bytes);
-    return 0;
+    return;
   }
-  const EncodedFrame input = data[0] & 1 ? forged_frame(bytes) : raw_frame(bytes);
-  const auto tree = decode_octree_tree(layer_views(input.layers), kLimits);
-  const auto frame = decode_frame(layer_views(input.layers), kLimits);
+  const EncodedFrame given = input[0] & 1 ? forged_frame(bytes) : raw_frame(bytes);
+  const auto tree = decode_octree_tree(layer_views(given.layers), kLimits);
+  const auto frame = decode_frame(layer_views(given.layers), kLimits);
   DecodeLimits cut_off = kLimits;
   cut_off.inner_nodes = true;
   cut_off.leaves = false;
-  cut_off.depth = data[0] >> 4;
-  if (const auto coarse = decode_frame(layer_views(input.layers), cut_off)) {
+  cut_off.depth = input[0] >> 4;
+  if (const auto coarse = decode_frame(layer_views(given.layers), cut_off)) {
     const std::size_t nodes = coarse->svo->node_count();
     const NodeAttributes& attributes = coarse->attributes;
     if (!attributes.colors.empty() && attributes.colors.size() != nodes) std::abort();
@@ -136,7 +135,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } else if (tree) {
     std::abort();  // what decodes as a whole must also decode in part
   }
-  if (!tree || !frame) return 0;
+  if (!tree || !frame) return;
   if (tree->svo.leaf_count() != frame->cloud.size()) std::abort();
   if (frame->cloud.has_colors() && frame->cloud.colors.size() != frame->cloud.size()) std::abort();
   for (const ScalarField& field : frame->cloud.scalars) {
@@ -150,13 +149,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   PointCloud cloud = frame->cloud;
   cloud.origin = glm::dvec3(0.0);
   const Cube cube{glm::dvec3(0.0), frame->cube.edge};
-  const OctreeOptions options{data[0] & 4 ? Entropy::context : Entropy::zstd,
-                              DepthRule::fixed(tree->svo.depth), 1 + data[0] % 100,
-                              1 + data[0] % 100};
+  const OctreeOptions options{input[0] & 4 ? Entropy::context : Entropy::zstd,
+                              DepthRule::fixed(tree->svo.depth), 1 + input[0] % 100,
+                              1 + input[0] % 100};
   const auto again = encode_frame(cloud, cube, {options, true, true});
   if (!again) std::abort();
   const auto twice = decode_octree_tree(layer_views(again->layers), kLimits);
   if (!twice || (!cloud.empty() && twice->svo.masks != tree->svo.masks)) std::abort();
   if (twice->scalars.size() > frame->cloud.scalars.size()) std::abort();
-  return 0;
 }

@@ -7,7 +7,7 @@
 
 #include <ogg/ogg.h>
 
-namespace pointreel {
+namespace pointreel::fuzz {
 
 /// Ogg's pages have checksums, without which changed bytes would go no further.
 inline void set_checksums(std::vector<std::uint8_t>& bytes) {
@@ -29,4 +29,4 @@ inline void set_checksums(std::vector<std::uint8_t>& bytes) {
   }
 }
 
-}  // namespace pointreel
+}  // namespace pointreel::fuzz

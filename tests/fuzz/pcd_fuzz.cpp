@@ -2,8 +2,4 @@
 // for.
 #include "tests/fuzz/read_points.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const pointreel::ByteView bytes(data, size);
-  if (read_points(bytes, pointreel::CloudFormat::pcd) > 100 * size) std::abort();
-  return 0;
-}
+FUZZ_TARGET(pcd) { require(read_points(input, CloudFormat::pcd) <= 100 * input.size()); }

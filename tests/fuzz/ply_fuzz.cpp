@@ -6,28 +6,15 @@
 #include <cstdlib>
 
 #include "common/cloud/ply.h"
+#include "tests/fuzz/target.h"
 
-using namespace pointreel;
-
-namespace {
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
-
-bool one_line(const std::string& message) {
-  return !message.empty() && message.find('\n') == std::string::npos;
-}
-
-}  // namespace
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const Result<PointCloud> cloud = read_ply({data, size});
+FUZZ_TARGET(ply) {
+  const Result<PointCloud> cloud = read_ply(input);
   if (!cloud) {
     require(one_line(cloud.error().message));
-    return 0;
+    return;
   }
-  require(cloud->size() <= size);
+  require(cloud->size() <= input.size());
   require(!cloud->has_normals() || cloud->normals.size() == cloud->size());
   require(!cloud->has_colors() || cloud->colors.size() == cloud->size());
   require(!cloud->has_radii() || cloud->radii.size() == cloud->size());
@@ -38,5 +25,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(again.has_value() && again->size() == cloud->size() && again->colors == cloud->colors);
   require(again->has_normals() == cloud->has_normals() && again->has_radii() == cloud->has_radii());
   require(again->scalars.size() == cloud->scalars.size());
-  return 0;
 }

@@ -1,20 +1,17 @@
-//   radiance_fuzz -max_len=65536 CORPUS_COPY tests/fuzz/corpus/radiance
-
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 
 #include "client/scene/radiance_picture.h"
+#include "tests/fuzz/target.h"
 
 /// Any bytes give a small picture of finite light that is not negative, or an error of one line.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace pointreel;
-  const auto map = parse_radiance({data, size});
+FUZZ_TARGET(radiance, .longest = 1 << 16) {
+  const auto map = parse_radiance(input);
   if (!map) {
-    const std::string& message = map.error().message;
-    if (message.empty() || message.find('\n') != std::string::npos) std::abort();
-    return 0;
+    require(one_line(map.error().message));
+    return;
   }
   if (map->height < 1 || map->height > kMostEnvironmentRows || map->width < 1) std::abort();
   if (map->texels.size() !=
@@ -23,5 +20,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const glm::vec3& light : map->texels)
     for (int i = 0; i < 3; ++i)
       if (!std::isfinite(light[i]) || light[i] < 0.0f) std::abort();
-  return 0;
 }

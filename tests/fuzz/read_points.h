@@ -2,24 +2,18 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
 #include "codec/formats/format_table.h"
 #include "pointreel/cloud.h"
+#include "tests/fuzz/target.h"
 
-namespace pointreel {
+namespace pointreel::fuzz {
 
 /// Reading any bytes gives a cloud whose parts fit together, or an error in one line. Returns how
 /// many points there were.
 inline std::size_t read_points(ByteView bytes, CloudFormat format) {
-  const auto require = [](bool condition) {
-    if (!condition) std::abort();
-  };
-  const auto one_line = [](const std::string& text) {
-    return !text.empty() && text.find('\n') == std::string::npos;
-  };
   const DecodeLimits limits{1u << 20, std::uint64_t{64} << 20};
   std::vector<std::string> unread;
   Result<PointCloud> cloud = read_points(ByteSource(bytes), format, limits, unread);
@@ -37,4 +31,4 @@ inline std::size_t read_points(ByteView bytes, CloudFormat format) {
   return count;
 }
 
-}  // namespace pointreel
+}  // namespace pointreel::fuzz

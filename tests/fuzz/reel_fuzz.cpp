@@ -1,5 +1,3 @@
-//   reel_fuzz -max_len=1048576 CORPUS_COPY tests/fuzz/corpus/reel
-
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -8,16 +6,15 @@
 
 #include "common/stream/manifest.h"
 #include "pointreel/package.h"
-#include "tests/fuzz/repetition.h"
+#include "tests/fuzz/target.h"
 
 /// An accepted manifest must satisfy what the parser guarantees: every frame can be located, its
 /// bytes are inside their files, and writing and parsing the manifest again changes nothing.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace pointreel;
-  const auto manifest = parse_manifest({reinterpret_cast<const char*>(data), size});
+FUZZ_TARGET(reel, .longest = 1 << 20, .repeats = true) {
+  const auto manifest = parse_manifest(as_text(input));
   if (!manifest) {
     if (manifest.error().message.empty()) std::abort();
-    return 0;
+    return;
   }
   if (manifest->tables &&
       (manifest->entropy != "context" || manifest->tables->bytes > kMaxTablesBytes)) {
@@ -44,5 +41,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string text = write_manifest(*manifest);
   const auto again = parse_manifest(text);
   if (!again || write_manifest(*again) != text) std::abort();
-  return 0;
 }

@@ -11,12 +11,12 @@
 #include "server/relay/relay.h"
 #include "server/serve/head_reader.h"
 #include "server/serve/service.h"
+#include "tests/fuzz/target.h"
 
 /// Whatever arrives on a connection, and in whatever pieces, the server must find the same requests
 /// in it, buffer no more than its limit, and have a well-formed answer to each request.
-namespace {
+namespace pointreel::fuzz::request {
 
-using namespace pointreel;
 using State = HeadReader::State;
 
 /// The outcome of a connection's bytes.
@@ -65,14 +65,14 @@ Conversation converse(Service& service, std::string_view bytes, std::size_t piec
   }
 }
 
-}  // namespace
+}  // namespace pointreel::fuzz::request
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+FUZZ_TARGET(request) {
+  const std::string_view bytes = as_text(input);
   static Relay relay;
   ServiceOptions options;
   options.log = Log::Level::kOff;
-  options.view_token = size % 2 == 0 ? "" : "token";
+  options.view_token = bytes.size() % 2 == 0 ? "" : "token";
   static constexpr std::array<PageFile, 2> kPage = {{
       {"index.html", "page", "br", "gzip"},
       {"a.js", "script", "", ""},
@@ -80,11 +80,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   options.page = Page(kPage);
   Service service(*Catalog::load({}), &relay, options);
   const Conversation whole = converse(service, bytes, HeadReader::kLimit);
-  const Conversation pieces = converse(service, bytes, 1 + size % 7);
+  const Conversation pieces = converse(service, bytes, 1 + bytes.size() % 7);
   // Pages of metrics count earlier requests, so they are excluded from the comparison.
   if (whole.targets != pieces.targets) std::abort();
   if (bytes.find("metrics") == std::string_view::npos && whole.answers != pieces.answers) {
     std::abort();
   }
-  return 0;
 }

@@ -2,9 +2,7 @@
 // than bytes.
 #include "tests/fuzz/read_points.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const pointreel::ByteView bytes(data, size);
-  if (read_points(bytes, pointreel::CloudFormat::sweep) > size) std::abort();
-  if (read_points(bytes, pointreel::CloudFormat::nuscenes_sweep) > size) std::abort();
-  return 0;
+FUZZ_TARGET(sweep) {
+  require(read_points(input, CloudFormat::sweep) <= input.size());
+  require(read_points(input, CloudFormat::nuscenes_sweep) <= input.size());
 }

@@ -16,6 +16,7 @@
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "common/stream/json_fields.h"
+#include "common/stream/write_json.h"
 
 namespace pointreel {
 namespace {

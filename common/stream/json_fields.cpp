@@ -13,16 +13,10 @@
 namespace pointreel {
 namespace {
 
-using nlohmann::ordered_json;
-
 /// The name that no other file of a package may have.
 constexpr std::string_view kManifest = "reel.json";
 
 }  // namespace
-
-std::string dump(const ordered_json& value) {
-  return value.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
-}
 
 Fields::Fields(const JsonValue& object) {
   if (!object.is_object()) error_ = Error{"is not a JSON object"};
@@ -194,23 +188,5 @@ Result<Box> parse_box(const JsonValue& value) {
   TRY(check_box(box));
   return box;
 }
-
-ordered_json scalars_json(const std::vector<ScalarRange>& scalars) {
-  ordered_json all = ordered_json::array();
-  for (const ScalarRange& range : scalars) {
-    all.push_back({{"name", range.name},
-                   {"min", range.least},
-                   {"max", range.most},
-                   {"labels", range.labels}});
-  }
-  return all;
-}
-
-ordered_json box_json(const Box& box) {
-  if (box.empty()) return nullptr;
-  return {{"min", vector_json(box.min)}, {"max", vector_json(box.max)}};
-}
-
-ordered_json vector_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace pointreel

@@ -7,14 +7,12 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "common/stream/json_value.h"
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
 #include "pointreel/package.h"
 
-/// Reads and writes the JSON of packages, live streams and camera paths.
+/// Reads the JSON of packages, live streams and camera paths.
 ///
 /// Trust: the texts may be hostile (json_value.h). Objects of more than kMaxMembers members are
 /// refused where members are looked for, so that looking for one takes a bounded time.
@@ -33,10 +31,6 @@ inline constexpr const char* kPackageFormat = "pointreel";
 
 /// The most members that an object may have, counting those that are not known.
 inline constexpr std::size_t kMaxMembers = 1000;
-
-/// Writes the value on one line. Bytes that are not valid UTF-8, which names may contain, are
-/// replaced; nothing is thrown.
-std::string dump(const nlohmann::ordered_json& value);
 
 /// Reads the members of one JSON object. The first one that is not as expected is kept as the
 /// error, and all values after it are zero, so that a parser needs to check only once, after the
@@ -88,13 +82,7 @@ std::optional<std::uint64_t> parse_hex(std::string_view text);
 /// error is left in `fields`. Their values are left to check_head (reel_rules.h).
 void read_reel_head(Fields& fields, ReelHead& head);
 
-/// The member "scalars" that read_reel_head reads.
-nlohmann::ordered_json scalars_json(const std::vector<ScalarRange>& scalars);
-
-/// Reads `{"min": [x, y, z], "max": [x, y, z]}`, or null for an empty box, and checks it; box_json
-/// writes it.
+/// Reads `{"min": [x, y, z], "max": [x, y, z]}`, or null for an empty box, and checks it.
 Result<Box> parse_box(const JsonValue& value);
-nlohmann::ordered_json box_json(const Box& box);
-nlohmann::ordered_json vector_json(const glm::dvec3& v);
 
 }  // namespace pointreel

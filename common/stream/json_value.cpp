@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -19,8 +20,8 @@ using nlohmann::json;
 /// Far above the nesting of a manifest, which is six.
 constexpr std::size_t kMaxNesting = 16;
 
-/// Receives the tokens of a text and keeps none of them. Parsing ends at the first fault.
-class TokenGuard : public nlohmann::json_sax<json> {
+/// Receives the tokens of a text.
+class Tokens : public nlohmann::json_sax<json> {
  public:
   bool null() override { return true; }
   bool boolean(bool) override { return true; }
@@ -29,6 +30,34 @@ class TokenGuard : public nlohmann::json_sax<json> {
   bool number_float(json::number_float_t, const json::string_t&) override { return true; }
   bool string(json::string_t&) override { return true; }
   bool binary(json::binary_t&) override { return true; }
+  bool key(json::string_t&) override { return true; }
+  bool start_array(std::size_t) override { return true; }
+  bool end_array() override { return true; }
+  bool start_object(std::size_t) override { return true; }
+  bool end_object() override { return true; }
+  bool parse_error(std::size_t, const std::string&, const json::exception&) override {
+    return false;
+  }
+};
+
+/// Goes on until `tokens` refuse one. Of the library's templates this is the only instance.
+bool read_tokens(std::string_view text, Tokens& tokens) {
+  return json::sax_parse(text.begin(), text.end(), &tokens);
+}
+
+/// Keeps the one string that the text is.
+class StringKeeper : public Tokens {
+ public:
+  bool string(json::string_t& value) override {
+    kept = std::move(value);
+    return true;
+  }
+  std::string kept;
+};
+
+/// Keeps no tokens. Refuses the first fault.
+class TokenGuard : public Tokens {
+ public:
   bool start_array(std::size_t) override { return open(); }
   bool end_array() override { return close(); }
   bool start_object(std::size_t) override { return open(); }
@@ -151,7 +180,9 @@ std::optional<std::string> JsonValue::string() const {
   if (!is_string()) return std::nullopt;
   const std::string_view inside = text_.substr(1, text_.size() - 2);
   if (inside.find('\\') == std::string_view::npos) return std::string(inside);
-  return json::parse(text_.begin(), text_.end(), nullptr, false).get<std::string>();
+  StringKeeper keeper;
+  read_tokens(text_, keeper);
+  return std::move(keeper.kept);
 }
 
 std::size_t JsonValue::size() const {
@@ -193,7 +224,7 @@ Result<JsonValue> parse_json(std::string_view text) {
   // To the library a NUL is the end of the text, whatever comes after it.
   if (text.find('\0') != std::string_view::npos) return fail("is not valid JSON");
   TokenGuard guard;
-  if (!json::sax_parse(text.begin(), text.end(), &guard)) return fail(guard.fault());
+  if (!read_tokens(text, guard)) return fail(guard.fault());
   return JsonValue(skip_spaces(text));
 }
 

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "common/base/byte_io.h"
 #include "common/base/concat.h"
@@ -12,11 +11,10 @@
 #include "common/stream/header_checksum.h"
 #include "common/stream/json_fields.h"
 #include "common/stream/reel_rules.h"
+#include "common/stream/write_json.h"
 
 namespace pointreel {
 namespace {
-
-using nlohmann::ordered_json;
 
 constexpr std::uint32_t kLayerMagic = 0x314c5250;  // "PRL1"
 constexpr std::size_t kMaxStreamName = 64;

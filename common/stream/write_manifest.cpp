@@ -6,6 +6,7 @@
 
 #include "common/stream/json_fields.h"
 #include "common/stream/manifest.h"
+#include "common/stream/write_json.h"
 
 namespace pointreel {
 namespace {

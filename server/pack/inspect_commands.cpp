@@ -18,7 +18,7 @@
 #include "common/base/words.h"
 #include "common/command_line/command.h"
 #include "common/command_line/shared_options.h"
-#include "common/stream/json_fields.h"
+#include "common/stream/write_json.h"
 #include "common/stream/manifest.h"
 #include "server/commands.h"
 #include "server/encode/sequence_arguments.h"

@@ -216,7 +216,7 @@ void add_compare_command(cli::Command app, int& exit_code) {
           .expected(0, 1)
           .type_name("[FILE]");
   command.callback([options, json, &exit_code] {
-    if (json.count() > 0 && options->json.empty()) options->json = "-";
+    if (json.count() > 0 && options->json.empty()) options->json.push_back('-');
     const auto done = compare(*options);
     if (!done) print_error("pointreel-bench", done.error().message);
     exit_code = done ? 0 : 1;

@@ -162,7 +162,9 @@ TEST_F(FanOutTest, each_side_of_a_relay_has_its_own_token_and_streams_their_own_
   const auto watching = viewer(from(1) + "/paris-stage", "below");
   ASSERT_TRUE(watching);
   EXPECT_TRUE(receives(*watching, 10));
-  const auto refused = WebSocket::connect(from(1) + "/paris-stage", {.token = "above"});
+  WebSocketOptions with_upper_token;
+  with_upper_token.token = "above";
+  const auto refused = WebSocket::connect(from(1) + "/paris-stage", with_upper_token);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().status, 401);
   EXPECT_TRUE(logs(2, "answers 401"));

@@ -12,14 +12,14 @@
 namespace pointreel {
 namespace {
 
-constexpr int kFrames = 240;  // 8 seconds
+constexpr int kReelFrames = 240;  // 8 seconds
 
 }  // namespace
 
 Result<double> make_ball_reel(const std::filesystem::path& folder) {
   const std::filesystem::path clouds = folder.string() + ".clouds";
   std::filesystem::create_directories(clouds);
-  for (int i = 0; i < kFrames; ++i)
+  for (int i = 0; i < kReelFrames; ++i)
     if (const auto written = write_ply(clouds / fmt::format("{}.ply", i), turning_ball(i));
         !written)
       return tl::unexpected(written.error());
@@ -31,7 +31,7 @@ Result<double> make_ball_reel(const std::filesystem::path& folder) {
   options.encode.codec = octree;
   const auto packed = pack(options);
   if (!packed) return tl::unexpected(packed.error());
-  return 8.0 * static_cast<double>(packed->bytes) * 30.0 / kFrames;
+  return 8.0 * static_cast<double>(packed->bytes) * 30.0 / kReelFrames;
 }
 
 ServerProcess::ServerProcess(const std::filesystem::path& reel, int port,

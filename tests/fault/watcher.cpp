@@ -13,7 +13,7 @@ namespace pointreel {
 namespace {
 
 constexpr auto kLook = std::chrono::milliseconds(10);
-constexpr auto kPatience = std::chrono::minutes(2);
+constexpr auto kWatchPatience = std::chrono::minutes(2);
 
 template <class T>
 ByteView bytes_of(const std::vector<T>& values) {
@@ -122,7 +122,7 @@ std::uint64_t Watcher::errors() const {
 
 bool Watcher::wait(const std::function<bool()>& condition) {
   std::unique_lock lock(mutex_);
-  return changed_.wait_for(lock, kPatience, condition);
+  return changed_.wait_for(lock, kWatchPatience, condition);
 }
 bool Watcher::sees(std::size_t more) {
   const std::size_t wanted = shown().size() + more;

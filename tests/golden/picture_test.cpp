@@ -135,7 +135,7 @@ TEST(GoldenPictures, mirrored_axes_are_noticed) {
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   if (argc == 3 && std::string_view(argv[1]) == "--make") {
-    const auto pictures = pointreel::golden::draw(pointreel::golden::picture_cloud());
+    const auto pictures = pointreel::golden::picture_test::draw(pointreel::golden::picture_cloud());
     if (!pictures) {
       fmt::print(stderr, "pointreel_golden_pictures: {}\n", pictures.error().message);
       return 1;

@@ -11,9 +11,8 @@ namespace pointreel::cli {
 struct Check {
   /// What is wrong with a value; empty if nothing.
   std::function<std::string(const std::string&)> fault;
-  /// For --help, manual pages and completions (option_words.h), in CLI11's words: "INT in [0 -
-  /// 21]",
-  /// "{auto,kd-tree}" or "FILE". If it is empty, the description of the option says it.
+  /// For --help, manual pages and completions (option_words.h), in CLI11's words: "FILE",
+  /// "{auto,kd-tree}" or "INT in [0 - 21]". If it is empty, the description of the option says it.
   std::string accepts = {};
 };
 

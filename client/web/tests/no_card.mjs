@@ -4,7 +4,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { openBrowser, settled, until } from "./browser.mjs";
 import { serve } from "./serve.mjs";
-import { ask, openTab } from "./tab.mjs";
+import { ask, countColors, openTab } from "./tab.mjs";
 
 const [build, folder] = process.argv.slice(2);
 const { server, port } = await serve(join(build, "web"), [join(folder, "reel")]);
@@ -15,12 +15,7 @@ test("each mode is drawn, and the page plays", async () => {
   for (const mode of ["surfel", "voxel", "point", "strip"]) {
     await ask(tab, `player.player.set({ mode: "${mode}" })`);
     await settled(tab);
-    const colors = await tab.evaluate(async () => {
-      const picture = await createImageBitmap(await document.querySelector("pointreel-player").player.still());
-      const context = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
-      context.drawImage(picture, 0, 0);
-      return new Set(new Uint32Array(context.getImageData(0, 0, picture.width, picture.height).data.buffer)).size;
-    });
+    const colors = await countColors(tab);
     assert.ok(colors > 200, `${mode}: ${colors} colours`);
     assert.equal(await ask(tab, "player.player.reel.shown.mode"), mode);
   }

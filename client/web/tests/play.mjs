@@ -7,7 +7,7 @@ import { basename, join } from "node:path";
 import { test } from "node:test";
 import { openBrowser, settled, until } from "./browser.mjs";
 import { serve } from "./serve.mjs";
-import { ask, openTab } from "./tab.mjs";
+import { ask, countColors, openTab } from "./tab.mjs";
 
 const [build, folder] = process.argv.slice(2);
 const page = join(build, "web"), reel = join(folder, "reel");
@@ -188,12 +188,7 @@ test("a player that was taken out of the page and put back plays again", async (
     place.append(player);
   });
   await settled(tab);
-  const colors = await tab.evaluate(async () => {
-    const picture = await createImageBitmap(await player.player.still());
-    const context = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
-    context.drawImage(picture, 0, 0);
-    return new Set(new Uint32Array(context.getImageData(0, 0, picture.width, picture.height).data.buffer)).size;
-  });
+  const colors = await countColors(tab);
   assert.ok(colors > 200, `${colors} colours`);
   await close();
 });

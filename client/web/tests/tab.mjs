@@ -21,6 +21,14 @@ export async function openTab(browser, url, { requestsFail = false, ...options }
   } };
 }
 
+/** How many colours the player's picture has. */
+export const countColors = (tab) => tab.evaluate(async () => {
+  const picture = await createImageBitmap(await document.querySelector("pointreel-player").player.still());
+  const context = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
+  context.drawImage(picture, 0, 0);
+  return new Set(new Uint32Array(context.getImageData(0, 0, picture.width, picture.height).data.buffer)).size;
+});
+
 /** Evaluates an expression of `player`, the element, and `root`, what is inside of it. */
 export const ask = (tab, question) => tab.evaluate(`(() => {
   const player = document.querySelector("pointreel-player"), root = player.shadowRoot; return ${question};

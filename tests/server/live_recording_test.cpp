@@ -340,12 +340,12 @@ TEST(HttpWindow, has_the_sound_that_came_during_each_segment) {
     window.sound(sound, {LiveMessage::Kind::binary, bytes});
   };
   const auto numbers = [&](const Segment& segment) {
-    std::vector<std::uint32_t> numbers;
+    std::vector<std::uint32_t> all;
     const std::string& text = out.files.at(segment.sound.value().path);
     const Bytes file(text.begin(), text.end());
     const auto sounds = parse_live_sound_file(file).value();
-    for (const LiveSound& sound : sounds) numbers.push_back(sound.number);
-    return numbers;
+    for (const LiveSound& sound : sounds) all.push_back(sound.number);
+    return all;
   };
   give_sound(0);
   give_frames(window, 0, 3);

@@ -21,20 +21,22 @@ POINTREEL_INLINE Lanes light_reaching(const ShadowMap& shadow, const LaneVec& po
              below = __builtin_convertvector(near_y, LaneMask);
   const LaneMask texel = 2 * (below * kShadowEdge + left);
   const std::span moments = shadow.moments();
-  Lanes values[2][4] = {};  // of the texels below and above; on the left and on the right
-  for (std::size_t lane = 0; lane < kLanes; ++lane)
-    for (std::size_t row = 0; row < 2; ++row) {
-      const float* from = &moments[static_cast<std::size_t>(texel[lane]) + row * 2 * kShadowEdge];
-      for (std::size_t i = 0; i < 4; ++i) values[row][i][lane] = from[i];
-    }
+  // For each lane, the float of the map that comes `after` so many others of its texel.
+  const auto gather = [&](std::size_t after) {
+    Lanes values{};
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      values[lane] = moments[static_cast<std::size_t>(texel[lane]) + after];
+    return values;
+  };
   const Lanes right_share = near_x - __builtin_convertvector(left, Lanes),
               above_share = near_y - __builtin_convertvector(below, Lanes);
   const auto mix = [](const Lanes& a, const Lanes& b, const Lanes& share) {
     return a * (1.0f - share) + b * share;
   };
   const auto mean_of = [&](std::size_t i) {
-    return mix(mix(values[0][i], values[0][i + 2], right_share),
-               mix(values[1][i], values[1][i + 2], right_share), above_share);
+    constexpr std::size_t kRight = 2, kAbove = 2 * kShadowEdge;
+    return mix(mix(gather(i), gather(i + kRight), right_share),
+               mix(gather(i + kAbove), gather(i + kAbove + kRight), right_share), above_share);
   };
   const Lanes mean = mean_of(0), mean_square = mean_of(1);
   // Where nothing is, the map has 0.

@@ -52,4 +52,4 @@ try {
 }
 browser.removeAllListeners("exit").kill();
 await new Promise((resolve) => (browser.exitCode === null && browser.pid ? browser.once("exit", resolve) : resolve()));
-rmSync(profile, { recursive: true, force: true });
+rmSync(profile, { recursive: true, force: true, maxRetries: 10, retryDelay: 100 });  // its processes end after it

@@ -1,12 +1,32 @@
 #pragma once
 
-#include <span>
+#include <cstddef>
 
 #include "client/render/shading.h"
 #include "client/render/software/lane_vectors.h"
 #include "client/render/software/shadow_map.h"
 
 namespace pointreel {
+
+/// For each lane, the float that comes so many places after the first.
+POINTREEL_INLINE Lanes gather(const float* first, const LaneMask& places) {
+  Lanes values{};
+  for (std::size_t lane = 0; lane < kLanes; ++lane)
+    values[lane] = first[static_cast<std::size_t>(places[lane])];
+  return values;
+}
+
+/// `first`: a number of the first texel. Returns the means of that of four texels, by the shares of
+/// those to the right of `texels` and above them.
+POINTREEL_INLINE Lanes mean_at(const float* first, const LaneMask& texels, const Lanes& right,
+                               const Lanes& above) {
+  constexpr std::size_t kRight = 2, kAbove = 2 * kShadowEdge;
+  const Lanes lower =
+                  gather(first, texels) * (1.0f - right) + gather(first + kRight, texels) * right,
+              upper = gather(first + kAbove, texels) * (1.0f - right) +
+                      gather(first + kAbove + kRight, texels) * right;
+  return lower * (1.0f - above) + upper * above;
+}
 
 /// The shares of the key light that reach points, given by their coordinates in the map. `apart`:
 /// less than this in front of a point is no shadow. Light reaches all points outside of the map.
@@ -20,25 +40,11 @@ POINTREEL_INLINE Lanes light_reaching(const ShadowMap& shadow, const LaneVec& po
   const auto left = __builtin_convertvector(near_x, LaneMask),
              below = __builtin_convertvector(near_y, LaneMask);
   const LaneMask texel = 2 * (below * kShadowEdge + left);
-  const std::span moments = shadow.moments();
-  // For each lane, the float of the map that comes `after` so many others of its texel.
-  const auto gather = [&](std::size_t after) {
-    Lanes values{};
-    for (std::size_t lane = 0; lane < kLanes; ++lane)
-      values[lane] = moments[static_cast<std::size_t>(texel[lane]) + after];
-    return values;
-  };
+  const float* const moments = shadow.moments().data();
   const Lanes right_share = near_x - __builtin_convertvector(left, Lanes),
               above_share = near_y - __builtin_convertvector(below, Lanes);
-  const auto mix = [](const Lanes& a, const Lanes& b, const Lanes& share) {
-    return a * (1.0f - share) + b * share;
-  };
-  const auto mean_of = [&](std::size_t i) {
-    constexpr std::size_t kRight = 2, kAbove = 2 * kShadowEdge;
-    return mix(mix(gather(i), gather(i + kRight), right_share),
-               mix(gather(i + kAbove), gather(i + kAbove + kRight), right_share), above_share);
-  };
-  const Lanes mean = mean_of(0), mean_square = mean_of(1);
+  const Lanes mean = mean_at(moments, texel, right_share, above_share),
+              mean_square = mean_at(moments + 1, texel, right_share, above_share);
   // Where nothing is, the map has 0.
   const Lanes behind = mean - max_of(points.z, Lanes{}) - apart;
   const Lanes variance = max_of(mean_square - mean * mean, Lanes{} + 1e-6f);

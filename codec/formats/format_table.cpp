@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstring>
 
 #include "codec/draco/drc_reader.h"
@@ -16,6 +15,7 @@
 #include "codec/formats/sweep.h"
 #include "codec/formats/text_points.h"
 #include "common/base/concat.h"
+#include "common/base/letter_case.h"
 #include "common/base/try.h"
 #include "common/cloud/ply.h"
 
@@ -147,13 +147,6 @@ const Row* find(CloudFormat format) {
   const auto row = std::find_if(std::begin(kFormats), std::end(kFormats),
                                 [=](const Row& r) { return r.format == format; });
   return row == std::end(kFormats) ? nullptr : &*row;
-}
-
-std::string in_small_letters(std::string_view text) {
-  std::string small(text);
-  std::transform(small.begin(), small.end(), small.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return small;
 }
 
 /// The row whose ending the name has, and that ending.

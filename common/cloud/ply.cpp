@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -187,6 +188,7 @@ class AsciiBody {
   AsciiBody(ByteView bytes, const PlyHeader& header)
       : at_(reinterpret_cast<const char*>(bytes.data()) + header.size),
         end_(reinterpret_cast<const char*>(bytes.data()) + bytes.size()),
+        line_end_(header.line_end),
         line_(header.lines + 1) {}
 
   Result<void> skip(const PlyElement& element) { return walk(element, nullptr, nullptr); }
@@ -247,7 +249,7 @@ class AsciiBody {
   /// The next run of characters that are not blank; empty at the end of the file.
   std::string_view take_word() {
     while (at_ != end_ && is_blank(*at_)) {
-      if (*at_ == '\n') ++line_;
+      if (*at_ == line_end_) ++line_;
       ++at_;
     }
     const char* begin = at_;
@@ -257,52 +259,59 @@ class AsciiBody {
 
   const char* at_;
   const char* end_;
+  char line_end_;
   std::size_t line_;
 };
 
-std::vector<std::string> names_of_unread(const PlyElement& vertex, const PlyRoles& roles) {
-  const std::vector<PlyRole> by_property = roles_by_property(vertex, &roles);
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < by_property.size(); ++i) {
-    const PlyProperty& property = vertex.properties[i];
-    if (by_property[i] == kRoles && !property.is_list) names.push_back(printable(property.name));
-  }
-  return names;
+/// Floats may stand for the bits of packed colours, and would change while they are converted.
+PlyElement with_packed_colors_as_bits(PlyElement vertex, const PlyRoles& roles, PlyFormat format) {
+  if (format == PlyFormat::ascii || roles[kColor] < 0 || roles[kColor + 1] >= 0) return vertex;
+  PlyType& type = vertex.properties[static_cast<std::size_t>(roles[kColor])].type;
+  if (type == PlyType::float32) type = PlyType::uint32;
+  return vertex;
 }
 
 template <class Body>
 Result<PointCloud> read_body(Body body, const PlyHeader& header, std::size_t data_size,
-                             std::vector<std::string>* unread) {
-  Result<PointCloud> cloud = fail("the header declares no element vertex");
-  for (const PlyElement& element : header.elements) {
-    if (element.name == "vertex") {
-      const PlyRoles roles = TRY(assign_roles(element));
+                             ReadNotes& notes) {
+  std::optional<PointCloud> cloud;
+  for (const PlyElement& declared : header.elements) {
+    if (declared.name == "vertex") {
+      const PlyRoles roles = TRY(assign_roles(declared));
+      const PlyElement element = with_packed_colors_as_bits(declared, roles, header.format);
       // Plus one, because the last value of an ascii file needs no separator.
       const std::size_t rows = (data_size + 1) / min_row_size(element, header.format);
       PlyCloudBuilder builder(element, roles, header.format,
                               std::min<std::uint64_t>(element.count, rows));
       TRY(body.read(element, roles, builder));
       cloud = builder.finish();
-      if (unread != nullptr) *unread = names_of_unread(element, roles);
-    } else {
-      TRY(body.skip(element));
+      notes.unread = unread_of(element, roles);
+    } else if (const Result<void> skipped = body.skip(declared); !skipped) {
+      if (!cloud) return tl::unexpected(skipped.error());
+      // What follows the vertices is not used.
+      notes.warnings.push_back(skipped.error().message + "; all vertices are read");
+      break;
     }
   }
-  return cloud;
+  if (!cloud) return fail("the header declares no element vertex");
+  return std::move(*cloud);
 }
 
 }  // namespace
 
-Result<PointCloud> read_ply(ByteView bytes, std::vector<std::string>* unread) {
+Result<PointCloud> read_ply(ByteView bytes, ReadNotes* told) {
   const PlyHeader header = TRY(parse_ply_header(bytes));
+  ReadNotes ignored;
+  ReadNotes& notes = told != nullptr ? *told : ignored;
+  notes.warnings = header.warnings;
   const std::size_t data_size = bytes.size() - header.size;
   switch (header.format) {
     case PlyFormat::ascii:
-      return read_body(AsciiBody(bytes, header), header, data_size, unread);
+      return read_body(AsciiBody(bytes, header), header, data_size, notes);
     case PlyFormat::little_endian:
-      return read_body(BinaryBody<false>(bytes, header), header, data_size, unread);
+      return read_body(BinaryBody<false>(bytes, header), header, data_size, notes);
     default:
-      return read_body(BinaryBody<true>(bytes, header), header, data_size, unread);
+      return read_body(BinaryBody<true>(bytes, header), header, data_size, notes);
   }
 }
 

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <span>
 #include <string>
-#include <vector>
 
+#include "common/cloud/read_notes.h"
 #include "pointreel/bytes.h"
 #include "pointreel/cloud.h"
 #include "pointreel/error.h"
@@ -13,24 +13,26 @@ namespace pointreel {
 
 /// Reads the vertices of a PLY file: ascii or binary of either byte order, with any scalar types,
 /// and with lists and other elements (such as faces) anywhere. These properties of the element
-/// "vertex" are read; if an attribute has several spellings, the first complete one counts:
+/// "vertex" are read, under the names of attribute_names.h:
 ///   positions  x y z
-///   normals    nx ny nz, or normal_x normal_y normal_z; kept as they are, not normalised
-///   colours    red green blue, r g b, or diffuse_red diffuse_green diffuse_blue:
-///              uchar v becomes 257 v; ushort is kept, or read as uchar if none is above 255; float
+///   normals    kept as they are, not normalised
+///   colours    uchar v becomes 257 v; ushort is kept, or read as uchar if none is above 255; float
 ///              and double are clamped to 0..1, or to 0..255 if the largest is above 2 and no more
 ///              than 255; NaN is 0; char is read as the uchar of the same bits; other integers are
-///              8-bit values, clamped
+///              8-bit values, clamped. Else packed colours, or f_dc_0 f_dc_1 f_dc_2 of Gaussian
+///              splats, which are 0.5 + 0.2821 f
 ///   radii      radius
 ///   scalars    the first kMaxScalars of all other scalar properties whose names can be those of
-///              scalar fields; in ascii, what is not a number is NaN
+///              scalar fields; in ascii, what is not a number is NaN. The shape of splats is none
 /// The cloud does not have an attribute that is missing or incomplete. Everything else is skipped,
-/// and bytes after the last element are ignored.
+/// and bytes after the last element are ignored. Damaged elements after the vertices cost no more
+/// than a warning.
 ///
 /// The cloud's origin is 0 unless the largest coordinate by magnitude exceeds twice the longest
 /// extent; then it is the minimum corner of the bounding box, and is subtracted in double before
-/// the conversion to float. Points with a coordinate that is not a finite float do not affect the
-/// origin, and remain in the cloud (`sanitize` drops them).
+/// the conversion to float. Doubles and numbers in ascii that lie far from zero but for a few
+/// points are relative to the whole coordinates below their middle. Points with a coordinate that
+/// is not a finite float do not affect the origin, and remain in the cloud (`sanitize` drops them).
 ///
 /// The error names the line (header, ascii) or the byte (binary), the element and the property, but
 /// not the file. Errors: `limit` if the header has too many elements or properties, otherwise
@@ -39,9 +41,8 @@ namespace pointreel {
 /// Trust: the bytes may be hostile. Memory is at most a constant times bytes.size(), whatever the
 /// header declares, and time is linear in it.
 ///
-/// `unread`, unless null, receives the names of the vertices' scalar properties that are skipped,
-/// in a form that fits into a one-line message.
-Result<PointCloud> read_ply(ByteView bytes, std::vector<std::string>* unread = nullptr);
+/// `notes`, unless null, receives the names of the vertices' scalar properties that are skipped.
+Result<PointCloud> read_ply(ByteView bytes, ReadNotes* notes = nullptr);
 
 /// True if floats hold the world coordinates of all finite points exactly.
 bool world_fits_float(const PointCloud& cloud);

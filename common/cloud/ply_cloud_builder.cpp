@@ -1,32 +1,64 @@
 #include "common/cloud/ply_cloud_builder.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <initializer_list>
+#include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "common/base/concat.h"
+#include "common/base/letter_case.h"
 #include "common/base/reserve_large.h"
+#include "common/base/spread.h"
+#include "common/cloud/attribute_names.h"
 
 namespace pointreel {
 namespace {
 
-int find_scalar(const PlyElement& element, const char* name) {
-  const int at = element.find(name);
+constexpr VectorNames kPositionNames{"x", "y", "z"};
+/// The mean colour of Gaussian splats, as coefficients of a constant function on the sphere.
+constexpr VectorNames kHarmonicNames{"f_dc_0", "f_dc_1", "f_dc_2"};
+constexpr float kHarmonic = 0.28209479f;  // 1 / (2 sqrt(pi))
+
+int find_scalar(const PlyElement& element, std::string_view name) {
+  const int at = element.find_any_case(name);
   return at >= 0 && !element.properties[static_cast<std::size_t>(at)].is_list ? at : -1;
 }
 
-/// Assigns the first of the `spellings` of which the element has all three properties.
-void assign_vector(const PlyElement& element, PlyRole role, PlyRoles& properties,
-                   std::initializer_list<std::array<const char*, 3>> spellings) {
-  for (const auto& names : spellings) {
+/// Assigns the first of the `spellings` of which the element has all three properties. Whether
+/// there is one.
+bool assign_vector(const PlyElement& element, PlyRole role, PlyRoles& properties,
+                   std::span<const VectorNames> spellings) {
+  for (const VectorNames& names : spellings) {
     std::array<int, 3> at{};
     for (std::size_t i = 0; i < 3; ++i) at[i] = find_scalar(element, names[i]);
     if (std::min({at[0], at[1], at[2]}) < 0) continue;
     std::copy(at.begin(), at.end(), properties.begin() + role);
+    return true;
+  }
+  return false;
+}
+
+bool is_float(PlyType type) { return type == PlyType::float32 || type == PlyType::float64; }
+
+void assign_color(const PlyElement& element, PlyRoles& properties) {
+  if (assign_vector(element, kColor, properties, kColorNames)) return;
+  for (const std::string_view name : kPackedColorNames) {
+    const int at = find_scalar(element, name);
+    if (at < 0 || size_of(element.properties[static_cast<std::size_t>(at)].type) != 4) continue;
+    properties[kColor] = at;
     return;
   }
+  if (is_splat(element)) assign_vector(element, kColor, properties, {&kHarmonicNames, 1});
+}
+
+/// What a splat has besides its place and its mean colour means nothing for a point.
+bool is_splat_shape(std::string_view name) {
+  const std::string small = in_small_letters(name);
+  return small.starts_with("f_dc_") || small.starts_with("f_rest_") ||
+         small.starts_with("scale_") || small.starts_with("rot_") || small == "opacity";
 }
 
 bool is_taken(const PlyRoles& properties, std::size_t property) {
@@ -37,14 +69,14 @@ bool is_taken(const PlyRoles& properties, std::size_t property) {
 /// After all others.
 void assign_scalars(const PlyElement& element, PlyRoles& properties) {
   std::size_t role = kScalar;
+  const bool splat = is_splat(element);
   for (std::size_t i = 0; i < element.properties.size() && role < kRoles; ++i) {
     const PlyProperty& property = element.properties[i];
     if (property.is_list || is_taken(properties, i) || !is_scalar_name(property.name)) continue;
+    if (splat && is_splat_shape(property.name)) continue;
     properties[role++] = static_cast<int>(i);
   }
 }
-
-bool is_float(PlyType type) { return type == PlyType::float32 || type == PlyType::float64; }
 
 /// Some writers store colours from 0 to 255 as floats or 16-bit integers. Such floats are known by
 /// the largest, which is in this range.
@@ -76,6 +108,16 @@ std::uint16_t color_value(PlyType type, double v, const FullBrightness& full) {
     default:
       return byte_color(v);
   }
+}
+
+/// Packed colours are whole numbers, or in ascii also the floats of the same bits.
+glm::u16vec3 unpacked_color(PlyType type, double v) {
+  const bool is_bits = is_float(type) && !(v >= 1.0 && v == std::floor(v));
+  const bool fits = std::abs(v) <= std::numeric_limits<std::uint32_t>::max();
+  const auto packed = is_bits ? std::bit_cast<std::uint32_t>(static_cast<float>(v))
+                      : fits  ? static_cast<std::uint32_t>(static_cast<std::int64_t>(v))
+                              : 0u;
+  return {257 * (packed >> 16 & 255), 257 * (packed >> 8 & 255), 257 * (packed & 255)};
 }
 
 /// Whether floats hold all numbers of a type.
@@ -110,6 +152,30 @@ bool are_in_range(const PlyColumn& column, std::size_t rows) {
   return in_range;
 }
 
+/// The whole coordinates below the middle of the points, if these lie far from zero but for a few:
+/// such as those at zero that were not measured, which must not cost the others their precision.
+glm::dvec3 far_middle(std::span<const glm::dvec3> positions) {
+  constexpr std::size_t kSamples = 1024;
+  constexpr double kFarSpreads = 100.0;
+  glm::dvec3 middle(0.0);
+  double reach = 0.0, spread = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> finite;
+    const std::size_t count = std::min(kSamples, positions.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      const double value = positions[spread_index(i, count, positions.size())][axis];
+      if (std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()))
+        finite.push_back(value);
+    }
+    if (finite.empty()) return glm::dvec3(0.0);
+    std::sort(finite.begin(), finite.end());
+    middle[axis] = finite[finite.size() / 2];
+    reach = std::max(reach, std::abs(middle[axis]));
+    spread = std::max(spread, finite[finite.size() * 3 / 4] - finite[finite.size() / 4]);
+  }
+  return spread > 0.0 && reach > kFarSpreads * spread ? glm::floor(middle) : glm::dvec3(0.0);
+}
+
 /// Adds `rows` values, which `make` makes of their rows.
 template <class T, class F>
 void extend(std::vector<T>& values, std::size_t rows, F&& make) {
@@ -123,20 +189,38 @@ void extend(std::vector<T>& values, std::size_t rows, F&& make) {
 Result<PlyRoles> assign_roles(const PlyElement& vertex) {
   PlyRoles properties;
   properties.fill(-1);
-  for (const char* name : {"x", "y", "z"}) {
+  for (const std::string_view name : kPositionNames) {
     if (find_scalar(vertex, name) >= 0) continue;
     return fail(concat("line ", vertex.line, ": element vertex has no scalar property ", name));
   }
-  assign_vector(vertex, kPosition, properties, {{"x", "y", "z"}});
-  assign_vector(vertex, kNormal, properties,
-                {{"nx", "ny", "nz"}, {"normal_x", "normal_y", "normal_z"}});
-  assign_vector(vertex, kColor, properties,
-                {{"red", "green", "blue"},
-                 {"r", "g", "b"},
-                 {"diffuse_red", "diffuse_green", "diffuse_blue"}});
+  assign_vector(vertex, kPosition, properties, {&kPositionNames, 1});
+  assign_vector(vertex, kNormal, properties, kNormalNames);
+  assign_color(vertex, properties);
   properties[kRadius] = find_scalar(vertex, "radius");
   assign_scalars(vertex, properties);
   return properties;
+}
+
+bool is_splat(const PlyElement& vertex) {
+  return std::all_of(kHarmonicNames.begin(), kHarmonicNames.end(), [&](std::string_view name) {
+    const int at = find_scalar(vertex, name);
+    return at >= 0 && is_float(vertex.properties[static_cast<std::size_t>(at)].type);
+  });
+}
+
+std::vector<std::string> unread_of(const PlyElement& vertex, const PlyRoles& roles) {
+  const std::vector<PlyRole> by_property = roles_by_property(vertex, &roles);
+  const bool splat = is_splat(vertex);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < by_property.size(); ++i) {
+    const PlyProperty& property = vertex.properties[i];
+    if (by_property[i] != kRoles || property.is_list) continue;
+    std::string name = printable(property.name);
+    if (splat && is_splat_shape(name) && name.find('_') != std::string::npos)
+      name.replace(name.rfind('_') + 1, std::string::npos, "*");
+    if (names.empty() || names.back() != name) names.push_back(std::move(name));
+  }
+  return names;
 }
 
 std::vector<PlyRole> roles_by_property(const PlyElement& element, const PlyRoles* roles) {
@@ -152,17 +236,23 @@ PlyCloudBuilder::PlyCloudBuilder(const PlyElement& vertex, const PlyRoles& prope
                                  PlyFormat format, std::size_t max_rows)
     : has_normals_(properties[kNormal] >= 0),
       has_colors_(properties[kColor] >= 0),
-      has_radii_(properties[kRadius] >= 0) {
+      has_radii_(properties[kRadius] >= 0),
+      packed_colors_(has_colors_ && properties[kColor + 1] < 0) {
   const auto type_of = [&](std::size_t role) {
     return vertex.properties[static_cast<std::size_t>(properties[role])].type;
   };
   // Numbers in ascii may have more digits than their types.
   float_positions_ = format != PlyFormat::ascii;
   for (std::size_t i = 0; i < 3; ++i) float_positions_ &= fits_float(type_of(kPosition + i));
-  for (std::size_t i = 0; i < 3 && has_colors_; ++i) {
+  if (packed_colors_) color_types_[0] = type_of(kColor);
+  for (std::size_t i = 0; i < 3 && has_colors_ && !packed_colors_; ++i) {
     color_types_[i] = type_of(kColor + i);
     byte_colors_ &= color_types_[i] == PlyType::uint8;
   }
+  harmonic_colors_ =
+      has_colors_ &&
+      equal_in_any_case(vertex.properties[static_cast<std::size_t>(properties[kColor])].name,
+                        kHarmonicNames[0]);
   if (float_positions_) {
     reserve_large(cloud_.positions, max_rows);
   } else {
@@ -192,13 +282,19 @@ void PlyCloudBuilder::append(const PlyBlock& block, std::size_t rows) {
   }
   if (has_normals_)
     extend(cloud_.normals, rows, [&](std::size_t i) { return glm::vec3(vector_at(kNormal, i)); });
-  if (has_colors_ && byte_colors_) {
+  if (packed_colors_) {
+    extend(cloud_.colors, rows,
+           [&](std::size_t i) { return unpacked_color(color_types_[0], block[kColor][i]); });
+  } else if (has_colors_ && byte_colors_) {
     extend(cloud_.colors, rows, [&](std::size_t i) {
       return glm::u16vec3(byte_color(block[kColor][i]), byte_color(block[kColor + 1][i]),
                           byte_color(block[kColor + 2][i]));
     });
   } else if (has_colors_) {
-    extend(colors_, rows, [&](std::size_t i) { return glm::vec3(vector_at(kColor, i)); });
+    extend(colors_, rows, [&](std::size_t i) {
+      const glm::vec3 color(vector_at(kColor, i));
+      return harmonic_colors_ ? glm::clamp(0.5f + kHarmonic * color, 0.0f, 1.0f) : color;
+    });
   }
   if (has_radii_)
     extend(cloud_.radii, rows,
@@ -275,7 +371,8 @@ glm::dvec3 PlyCloudBuilder::choose_origin() const {
   const glm::dvec3 extent = box_.extent();
   const double largest = std::max({reach.x, reach.y, reach.z});
   const double longest = std::max({extent.x, extent.y, extent.z});
-  return largest > 2.0 * longest ? box_.min : glm::dvec3(0.0);
+  if (largest > 2.0 * longest) return box_.min;
+  return far_middle(positions_);
 }
 
 }  // namespace pointreel

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -33,11 +34,19 @@ enum PlyRole : std::size_t {
 using PlyColumn = std::array<double, kPlyBlockRows>;
 using PlyBlock = std::array<PlyColumn, kRoles>;
 
-/// For each value, the index of the vertex's property that it is read from, or -1.
+/// For each value, the index of the vertex's property that it is read from, or -1. Packed colours
+/// are read from that of kColor alone.
 using PlyRoles = std::array<int, kRoles>;
 
 /// Errors: `invalid` if x, y or z is missing.
 Result<PlyRoles> assign_roles(const PlyElement& vertex);
+
+/// Whether vertices are Gaussian splats, which have their mean colour as spherical harmonics.
+bool is_splat(const PlyElement& vertex);
+
+/// The names of the scalar properties that have no role, in a form that fits into a one-line
+/// message. Those of a splat that are numbered stand under one name: f_rest_*.
+std::vector<std::string> unread_of(const PlyElement& vertex, const PlyRoles& roles);
 
 /// The inverse of PlyRoles: for each property, the value that it is read into, or kRoles if it is
 /// not read. `roles` may be null.
@@ -66,8 +75,8 @@ class PlyCloudBuilder {
   std::vector<glm::vec3> colors_;      ///< as they are in the file, unless they are bytes
   Box box_;                            ///< of the points that floats can hold
   std::array<PlyType, 3> color_types_{};
-  bool has_normals_, has_colors_, has_radii_;
-  bool float_positions_ = false, byte_colors_ = true;
+  bool has_normals_, has_colors_, has_radii_, packed_colors_;
+  bool float_positions_ = false, byte_colors_ = true, harmonic_colors_ = false;
 };
 
 }  // namespace pointreel

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/concat.h"
+#include "common/base/letter_case.h"
 
 namespace pointreel {
 namespace {
@@ -33,6 +34,8 @@ constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypeNames{{
 /// Far more than any real file has. They bound the time of searching for duplicate names.
 constexpr std::size_t kMaxElements = 256;
 constexpr std::size_t kMaxProperties = 4096;
+/// Of lines that are skipped.
+constexpr std::size_t kMaxWarnings = 8;
 
 std::vector<std::string_view> split(std::string_view line) {
   constexpr std::string_view kBlanks = " \t\r\v\f";
@@ -45,9 +48,16 @@ std::vector<std::string_view> split(std::string_view line) {
   return words;
 }
 
+/// Some programs write "comment:", or "#" as other formats have it.
+bool is_comment(std::string_view keyword) {
+  return keyword.empty() || keyword.starts_with("comment") || keyword.starts_with("obj_info") ||
+         keyword.starts_with("#");
+}
+
 bool parse_type(std::string_view name, PlyType& type) {
-  const auto found = std::find_if(kTypeNames.begin(), kTypeNames.end(),
-                                  [name](const auto& entry) { return entry.first == name; });
+  const auto found = std::find_if(kTypeNames.begin(), kTypeNames.end(), [name](const auto& entry) {
+    return equal_in_any_case(entry.first, name);
+  });
   if (found == kTypeNames.end()) return false;
   type = found->second;
   return true;
@@ -56,7 +66,7 @@ bool parse_type(std::string_view name, PlyType& type) {
 using Words = std::vector<std::string_view>;
 
 Result<void> parse_format(const Words& words, PlyHeader& header) {
-  const std::string_view name = words.size() > 1 ? words[1] : std::string_view();
+  const std::string name = in_small_letters(words.size() > 1 ? words[1] : std::string_view());
   if (name == "ascii") {
     header.format = PlyFormat::ascii;
   } else if (name == "binary_little_endian") {
@@ -76,7 +86,7 @@ Result<void> parse_element(const Words& words, PlyHeader& header) {
     return fail(ErrorCode::limit, concat("more than ", kMaxElements, " elements"));
   }
   PlyElement element;
-  element.name = words[1];
+  element.name = in_small_letters(words[1]);
   const std::string_view count = words[2];
   const auto [end, error] =
       std::from_chars(count.data(), count.data() + count.size(), element.count);
@@ -101,7 +111,7 @@ Result<void> parse_property(const Words& words, PlyHeader& header) {
                                          kMaxProperties, " properties"));
   }
   PlyProperty property;
-  property.is_list = words.size() > 1 && words[1] == "list";
+  property.is_list = words.size() > 1 && equal_in_any_case(words[1], "list");
   const std::size_t wanted = property.is_list ? 5 : 3;
   if (words.size() < wanted) {
     return fail(
@@ -141,26 +151,38 @@ std::size_t size_of(PlyType type) {
   return kSizes[static_cast<std::size_t>(type)];
 }
 
-int PlyElement::find(const std::string& property) const {
+int PlyElement::find(std::string_view property) const {
   for (std::size_t i = 0; i < properties.size(); ++i) {
     if (properties[i].name == property) return static_cast<int>(i);
   }
   return -1;
 }
 
+int PlyElement::find_any_case(std::string_view property) const {
+  if (const int exact = find(property); exact >= 0) return exact;
+  for (std::size_t i = 0; i < properties.size(); ++i) {
+    if (equal_in_any_case(properties[i].name, property)) return static_cast<int>(i);
+  }
+  return -1;
+}
+
 Result<PlyHeader> parse_ply_header(ByteView bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (!text.starts_with("ply")) return fail("line 1: not a PLY file");
+  if (!equal_in_any_case(text.substr(0, 3), "ply")) return fail("line 1: not a PLY file");
   PlyHeader header;
+  // The first line tells how all of them end: after CR alone, data may begin with LF.
+  const std::size_t first_end = std::min(text.find_first_of("\r\n"), text.size());
+  if (text.substr(first_end, 1) == "\r" && text.substr(first_end, 2) != "\r\n")
+    header.line_end = '\r';
   bool has_format = false;
   while (true) {
-    const std::size_t end = text.find('\n', header.size);
+    const std::size_t end = text.find(header.line_end, header.size);
     // The last line may lack a line break if no data follow it.
     const Words words = split(text.substr(header.size, end - header.size));
     header.size = end == std::string_view::npos ? text.size() : end + 1;
     ++header.lines;
     const std::string place = concat("line ", header.lines);
-    const std::string_view keyword = words.empty() ? std::string_view() : words[0];
+    const std::string keyword = in_small_letters(words.empty() ? std::string_view() : words[0]);
 
     Result<void> parsed;
     if (header.lines == 1) {
@@ -176,8 +198,9 @@ Result<PlyHeader> parse_ply_header(ByteView bytes) {
       if (parsed) header.elements.back().line = header.lines;
     } else if (keyword == "property") {
       parsed = parse_property(words, header);
-    } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
-      parsed = fail(concat("unknown keyword '", printable(keyword), "' in the header"));
+    } else if (!is_comment(keyword) && header.warnings.size() < kMaxWarnings) {
+      header.warnings.push_back(
+          concat(place, ": is skipped: unknown keyword '", printable(words[0]), "'"));
     }
     if (!parsed) return fail_at(place, parsed.error());
     if (end == std::string_view::npos) {

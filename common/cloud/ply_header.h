@@ -37,7 +37,9 @@ struct PlyElement {
   std::size_t line = 0;  ///< the line of the header that declares it
 
   /// The index of the property of that name, or -1.
-  int find(const std::string& property) const;
+  int find(std::string_view property) const;
+  /// The same, but if there is none, of the first whose name differs by case alone.
+  int find_any_case(std::string_view property) const;
 };
 
 struct PlyHeader {
@@ -45,11 +47,15 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
   std::size_t size = 0;   ///< in bytes, including the line break after end_header
   std::size_t lines = 0;  ///< number of lines
+  char line_end = '\n';   ///< what the last character of a line is
+  std::vector<std::string> warnings;
 };
 
-/// Parses a PLY header (G. Turk, "The PLY Polygon File Format", 1994). Lines may end in LF or CR
-/// LF, words are separated by blanks or tabs, and comments and obj_info may stand anywhere. Errors
-/// begin with "line N: " and name the element or property.
+/// Parses a PLY header (G. Turk, "The PLY Polygon File Format", 1994). Lines may end in LF, CR LF
+/// or CR, words are separated by blanks or tabs, and comments and obj_info may stand anywhere. Case
+/// does not matter in keywords, types and names of elements, which are kept in small letters; names
+/// of properties are kept as they are. Lines with unknown keywords are skipped with a warning.
+/// Errors begin with "line N: " and name the element or property.
 ///
 /// Trust: the bytes may be hostile. Memory is proportional to the size of the header; no memory is
 /// taken for the counts that it declares.

@@ -1,12 +1,15 @@
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "common/base/letter_case.h"
 #include "common/base/write_file.h"
+#include "common/cloud/attribute_names.h"
 #include "common/cloud/ply.h"
 
 namespace pointreel {
@@ -24,18 +27,26 @@ std::uint8_t* put_vector(std::uint8_t* at, const glm::vec<N, V>& v) {
   return at;
 }
 
+/// The names, in small letters, that read_ply may take for another attribute.
+std::set<std::string, std::less<>> names_of_attributes() {
+  std::set<std::string, std::less<>> names = {"x", "y", "z", "radius", "f_dc_0"};
+  for (const VectorNames& three : kNormalNames) names.insert(three.begin(), three.end());
+  for (const VectorNames& three : kColorNames) names.insert(three.begin(), three.end());
+  names.insert(kPackedColorNames.begin(), kPackedColorNames.end());
+  return names;
+}
+
 /// Names for the scalar fields that a PLY header can hold, and that read_ply gives to no other
 /// attribute.
 std::vector<std::string> names_of(const std::vector<ScalarField>& scalars) {
-  std::set<std::string> taken = {
-      "x",           "y",     "z",    "nx", "ny", "nz", "normal_x", "normal_y",    "normal_z",
-      "red",         "green", "blue", "r",  "g",  "b",  "radius",   "diffuse_red", "diffuse_green",
-      "diffuse_blue"};
+  const auto attributes = names_of_attributes();
+  std::set<std::string> taken;
   std::vector<std::string> names;
   for (const ScalarField& field : scalars) {
     std::string name = field.name;
     std::replace(name.begin(), name.end(), ' ', '_');
-    while (!taken.insert(name).second) name.insert(0, "scalar_");
+    while (attributes.contains(in_small_letters(name)) || !taken.insert(name).second)
+      name.insert(0, "scalar_");
     names.push_back(name);
   }
   return names;

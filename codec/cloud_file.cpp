@@ -101,11 +101,9 @@ constexpr std::size_t kBegin = 256;
 Result<LoadedCloud> read_source(const ByteSource& source, CloudFormat format,
                                 const DecodeLimits& limits) {
   return or_out_of_memory([&]() -> Result<LoadedCloud> {
-    std::vector<std::string> unread;
-    PointCloud cloud = TRY(read_points(source, format, limits, unread));
-    LoadedCloud loaded = usable_cloud(std::move(cloud), format);
-    loaded.unread = std::move(unread);
-    return loaded;
+    ReadNotes notes;
+    PointCloud cloud = TRY(read_points(source, format, limits, notes));
+    return usable_cloud(std::move(cloud), format, std::move(notes));
   });
 }
 

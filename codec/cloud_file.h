@@ -9,6 +9,7 @@
 
 #include "codec/formats/cloud_format.h"
 #include "codec/formats/recording.h"
+#include "common/cloud/read_notes.h"
 #include "pointreel/bytes.h"
 #include "pointreel/cloud.h"
 #include "pointreel/codec.h"
@@ -39,8 +40,9 @@ Result<LoadedCloud> read_cloud(ByteView bytes, CloudFormat format,
 /// The same for formats that are recognised by their first bytes.
 Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits = kOwnFiles);
 
-/// The cloud as read_cloud returns it: sanitized, and with what was repaired.
-LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format);
+/// The cloud as read_cloud returns it: sanitized, with what was repaired, and without what says
+/// nothing.
+LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format, ReadNotes notes = {});
 
 /// Reads a file. Its format is recognised by its first bytes, or else by its name. The error begins
 /// with the path.

@@ -60,7 +60,7 @@ Bytes depth_frame(std::string_view intrinsics, ByteView depth, ByteView color) {
 }
 
 Result<PointCloud> read_depth_frame(const ByteSource& source, const DecodeLimits& limits,
-                                    std::vector<std::string>& unread) {
+                                    ReadNotes& notes) {
   Bytes room;
   ByteReader reader(TRY(source.all(room)));
   const auto intrinsics_size = reader.get<std::uint32_t>();
@@ -78,16 +78,16 @@ Result<PointCloud> read_depth_frame(const ByteSource& source, const DecodeLimits
   const DepthPicture depth =
       TRY(at_place("depth", read_depth_picture(parts.subspan(intrinsics_size, depth_size), most)));
   const CameraIntrinsics camera = TRY(at_place("intrinsics", camera_of(parsed, depth)));
-  if (parsed.distorts) unread.emplace_back("distortion of the lens");
+  if (parsed.distorts) notes.unread.emplace_back("distortion of the lens");
   std::optional<ColorPicture> color;
   if (!color_bytes.empty()) {
     const std::uint64_t most_colors =
         std::min<std::uint64_t>(DecodeLimits().max_points, limits.max_memory / kColorMemory);
     color = TRY(at_place("color", read_color_picture(color_bytes, most_colors)));
     if (!same_shape(color->width, color->height, depth.width, depth.height)) {
-      unread.push_back(concat("colours of ", size_text(color->width, color->height),
-                              " pixels that do not lie over depth of ",
-                              size_text(depth.width, depth.height)));
+      notes.unread.push_back(concat("colours of ", size_text(color->width, color->height),
+                                    " pixels that do not lie over depth of ",
+                                    size_text(depth.width, depth.height)));
       color.reset();
     }
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "codec/formats/byte_source.h"
+#include "common/cloud/read_notes.h"
 #include "pointreel/bytes.h"
 #include "pointreel/cloud.h"
 #include "pointreel/codec.h"
@@ -20,12 +21,12 @@ Bytes depth_frame(std::string_view intrinsics, ByteView depth, ByteView color);
 
 /// The points of such a frame, as depth_points.h says. The intrinsics may be those of a picture of
 /// the same shape with another number of pixels, within 1 %, and so may be the colours; they are
-/// left out if their shape differs. `unread` receives that, and whether the camera has distortion,
+/// left out if their shape differs. `notes` receives that, and whether the camera has distortion,
 /// which is not undone. Errors name the part.
 ///
 /// Trust: the bytes may be hostile. Memory is bounded by `limits`: 64 bytes for each pixel of
 /// depth, and 8 for each of colour.
 Result<PointCloud> read_depth_frame(const ByteSource& source, const DecodeLimits& limits,
-                                    std::vector<std::string>& unread);
+                                    ReadNotes& notes);
 
 }  // namespace pointreel

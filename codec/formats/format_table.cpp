@@ -22,56 +22,56 @@
 namespace pointreel {
 namespace {
 
-using Unread = std::vector<std::string>;
-using Read = Result<PointCloud> (*)(const ByteSource&, const DecodeLimits&, Unread&);
+using Read = Result<PointCloud> (*)(const ByteSource&, const DecodeLimits&, ReadNotes&);
 
-Result<PointCloud> read_whole_ply(const ByteSource& source, const DecodeLimits&, Unread& unread) {
+Result<PointCloud> read_whole_ply(const ByteSource& source, const DecodeLimits&, ReadNotes& notes) {
   Bytes room;
-  return read_ply(TRY(source.all(room)), &unread);
+  return read_ply(TRY(source.all(room)), &notes);
 }
 
-Result<PointCloud> read_whole_drc(const ByteSource& source, const DecodeLimits& limits, Unread&) {
+Result<PointCloud> read_whole_drc(const ByteSource& source, const DecodeLimits& limits,
+                                  ReadNotes&) {
   Bytes room;
   return read_drc(TRY(source.all(room)), limits);
 }
 
-Result<PointCloud> read_whole_obj(const ByteSource& source, const DecodeLimits&, Unread&) {
-  return read_obj(source);
+Result<PointCloud> read_text(const ByteSource& source, const DecodeLimits&, ReadNotes& notes) {
+  return read_text_points(source, notes.unread);
 }
 
 template <auto kRead>
-Result<PointCloud> read_unlimited(const ByteSource& source, const DecodeLimits&, Unread& unread) {
-  return kRead(source, unread);
+Result<PointCloud> read_unlimited(const ByteSource& source, const DecodeLimits&, ReadNotes& notes) {
+  return kRead(source, notes);
 }
 
 template <std::size_t kFloats>
-Result<PointCloud> read_sweep_of(const ByteSource& source, const DecodeLimits&, Unread&) {
+Result<PointCloud> read_sweep_of(const ByteSource& source, const DecodeLimits&, ReadNotes&) {
   return read_sweep(source, kFloats);
 }
 
-Result<PointCloud> refuse_recording(const ByteSource&, const DecodeLimits&, Unread&) {
+Result<PointCloud> refuse_recording(const ByteSource&, const DecodeLimits&, ReadNotes&) {
   return fail(ErrorCode::unsupported,
               "is an MCAP recording of many clouds: pack it, or play it under a name that ends in "
               ".mcap");
 }
 
-Result<PointCloud> refuse_video(const ByteSource&, const DecodeLimits&, Unread&) {
+Result<PointCloud> refuse_video(const ByteSource&, const DecodeLimits&, ReadNotes&) {
   return fail(ErrorCode::unsupported,
               "is a video: pack it, or play it under a name that ends in .mkv, if it is of depth");
 }
 
-Result<PointCloud> refuse_picture(const ByteSource&, const DecodeLimits&, Unread&) {
+Result<PointCloud> refuse_picture(const ByteSource&, const DecodeLimits&, ReadNotes&) {
   return fail(ErrorCode::unsupported,
               "is a picture: to read depth, name the folder that has depth/*.png and intrinsics");
 }
 
-Result<PointCloud> refuse_bag(const ByteSource&, const DecodeLimits&, Unread&) {
+Result<PointCloud> refuse_bag(const ByteSource&, const DecodeLimits&, ReadNotes&) {
   return fail(ErrorCode::unsupported,
               "is a bag of ROS 1 or in SQLite, which is not read: convert it to MCAP with "
               "\"rosbags-convert --src IN --dst OUT --dst-storage mcap\" (of PyPI's rosbags)");
 }
 
-Result<PointCloud> refuse_e57(const ByteSource&, const DecodeLimits&, Unread&) {
+Result<PointCloud> refuse_e57(const ByteSource&, const DecodeLimits&, ReadNotes&) {
   return fail(
       ErrorCode::unsupported,
       "is an E57 file, which is not read: convert it with \"pdal translate IN.e57 OUT.las\"");
@@ -90,7 +90,7 @@ struct Row {
 };
 
 constexpr Row kFormats[] = {
-    {CloudFormat::ply, "PLY", {".ply"}, {"ply"}, Likely::yes, read_whole_ply},
+    {CloudFormat::ply, "PLY", {".ply"}, {"ply", "PLY"}, Likely::yes, read_whole_ply},
     {CloudFormat::drc, "Draco", {".drc"}, {"DRACO"}, Likely::yes, read_whole_drc},
     // Before .bin, with which the name ends, too.
     {CloudFormat::nuscenes_sweep, "nuScenes", {".pcd.bin"}, {}, Likely::yes, read_sweep_of<5>, 'z'},
@@ -114,8 +114,8 @@ constexpr Row kFormats[] = {
      {".xyz", ".pts", ".asc", ".txt", ".csv"},
      {},
      Likely::maybe,
-     read_unlimited<read_text_points>},
-    {CloudFormat::obj, "OBJ", {".obj"}, {}, Likely::yes, read_whole_obj},
+     read_text},
+    {CloudFormat::obj, "OBJ", {".obj"}, {}, Likely::yes, read_unlimited<read_obj>},
     {CloudFormat::gltf, "glTF", {".glb", ".gltf"}, {"glTF"}, Likely::yes, read_gltf, 'y'},
     {CloudFormat::sweep, "KITTI", {".bin"}, {}, Likely::maybe, read_sweep_of<0>, 'z'},
     {CloudFormat::mcap, "MCAP", {".mcap"}, {"\x89MCAP0"}, Likely::yes, refuse_recording, 'z', true},
@@ -222,7 +222,7 @@ std::string known_formats() {
 }
 
 Result<PointCloud> read_points(const ByteSource& source, CloudFormat format,
-                               const DecodeLimits& limits, std::vector<std::string>& unread) {
+                               const DecodeLimits& limits, ReadNotes& notes) {
   if (source.size() == 0) return fail("the file is empty");
   Bytes room;
   const ByteView begin = TRY(source.view(0, 16, room));
@@ -235,7 +235,7 @@ Result<PointCloud> read_points(const ByteSource& source, CloudFormat format,
   }
   if (std::string fault = fault_of_begin(*row, begin); !fault.empty())
     return fail(std::move(fault));
-  return row->read(source, limits, unread);
+  return row->read(source, limits, notes);
 }
 
 }  // namespace pointreel

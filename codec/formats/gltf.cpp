@@ -15,6 +15,7 @@
 #include "codec/formats/records.h"
 #include "common/base/concat.h"
 #include "common/base/try.h"
+#include "common/cloud/ply_header.h"
 #include "common/stream/json_fields.h"
 
 namespace pointreel {
@@ -50,13 +51,18 @@ Result<GlbChunks> chunks_of(ByteView bytes) {
     const std::size_t size = at(offset);
     const std::uint32_t type = at(offset + 4);
     offset += 8;
-    if (size > bytes.size() - offset) {
+    const std::size_t rest = bytes.size() - offset, padding = -size % 4;
+    // Some writers count padding that is not there.
+    if (size > rest + 3) {
       return fail(concat("byte ", offset - 8, ": a chunk of ", size, " bytes ends after the file"));
     }
-    if (type == kJsonChunk && chunks.json.empty()) chunks.json = bytes.subspan(offset, size);
-    if (type == kBinChunk && chunks.binary.empty()) chunks.binary = bytes.subspan(offset, size);
-    offset += (size + 3) / 4 * 4;
-    if (offset > bytes.size()) break;
+    const ByteView content = bytes.subspan(offset, std::min(size, rest));
+    if (type == kJsonChunk && chunks.json.empty()) chunks.json = content;
+    if (type == kBinChunk && chunks.binary.empty()) chunks.binary = content;
+    offset += content.size();
+    // Others leave padding out.
+    const bool unpadded = offset + 8 <= bytes.size() && at(offset + 4) == kBinChunk;
+    if (!unpadded) offset += padding;
   }
   if (chunks.json.empty()) return fail("has no chunk of JSON");
   return chunks;
@@ -118,6 +124,16 @@ double srgb_of(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
+/// Extensions that say nothing about where vertices are or what colours they have.
+bool is_harmless_extension(std::string_view name) {
+  for (const std::string_view begin :
+       {"KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_",
+        "EXT_lights_", "KHR_xmp", "KHR_animation_", "KHR_mesh_quantization"}) {
+    if (name.starts_with(begin)) return true;
+  }
+  return false;
+}
+
 class GltfReader {
  public:
   GltfReader(JsonValue root, ByteView binary, const DecodeLimits& limits)
@@ -126,8 +142,8 @@ class GltfReader {
         most_vertices_(
             std::min<std::uint64_t>(limits.max_points, limits.max_memory / kVertexMemory)) {}
 
-  Result<PointCloud> read(std::vector<std::string>& unread) {
-    TRY(list_parts(unread));
+  Result<PointCloud> read(ReadNotes& notes) {
+    TRY(list_parts(notes.unread));
     TRY(read_buffers());
     if (scene_nodes_.empty() && nodes_.empty()) {
       for (std::size_t mesh = 0; mesh < meshes_.size(); ++mesh)
@@ -162,6 +178,7 @@ class GltfReader {
     buffers_json_ = list("buffers");
     for (const char* key : {"textures", "skins", "animations"})
       if (!list(key).empty()) unread.push_back(key);
+    materials_ = list("materials");
     for (const JsonValue& name : list("extensionsRequired")) {
       for (const char* packed : {"KHR_draco_mesh_compression", "EXT_meshopt_compression"}) {
         if (!is_text(name, packed)) continue;
@@ -170,6 +187,14 @@ class GltfReader {
                            ", which is not read: export it without compression, "
                            "or convert it with \"gltf-transform copy IN OUT\""));
       }
+      const std::string needed = TRY(name_of_extension(name));
+      if (is_harmless_extension(needed)) continue;
+      return fail(ErrorCode::unsupported, concat("needs the extension ", printable(needed),
+                                                 ", which is not read: export it without"));
+    }
+    for (const JsonValue& name : list("extensionsUsed")) {
+      const std::string used = TRY(name_of_extension(name));
+      if (!is_harmless_extension(used)) unread.push_back(printable(used));
     }
     const Parts scenes = list("scenes");
     std::size_t shown = 0;
@@ -186,6 +211,12 @@ class GltfReader {
     if (scene.has("nodes"))
       scene_nodes_ = TRY(indices_of(*scene.value("nodes"), nodes_.size(), "node"));
     return {};
+  }
+
+  static Result<std::string> name_of_extension(const JsonValue& name) {
+    const auto text = name.string();
+    if (!text) return fail("the name of an extension is no text");
+    return *text;
   }
 
   /// Without scenes, the roots are shown.
@@ -444,12 +475,59 @@ class GltfReader {
       TRY(at_place(concat("meshes/", index), named.check()));
       if (std::find(shown.begin(), shown.end(), position) != shown.end()) continue;
       if (shown.size() < 64) shown.push_back(position);
-      TRY(at_place(concat("meshes/", index), add_primitive(named, position, matrix)));
+      TRY(at_place(concat("meshes/", index), add_primitive(primitive, named, position, matrix)));
     }
     return {};
   }
 
-  Result<void> add_primitive(Fields& named, std::size_t position, const glm::dmat4& matrix) {
+  /// Of a primitive's material; white without one. Textures are not looked at.
+  Result<glm::dvec3> base_color(Fields& primitive) const {
+    glm::dvec3 base(1.0);
+    if (!primitive.has("material")) return base;
+    const std::size_t index = primitive.integer("material", kMaxInteger);
+    TRY(primitive.check());
+    if (index >= materials_.size()) return fail(concat("there is no materials/", index));
+    Fields material(materials_[index]);
+    TRY(at_place(concat("materials/", index), material.check()));
+    if (!material.has("pbrMetallicRoughness")) return base;
+    Fields surface(*material.value("pbrMetallicRoughness"));
+    TRY(at_place(concat("materials/", index), surface.check()));
+    if (!surface.has("baseColorFactor")) return base;
+    JsonItems item(*surface.value("baseColorFactor"));
+    for (int c = 0; c < 3; ++c) {
+      const auto share = item.next() ? item.value().number() : std::nullopt;
+      if (!share) return fail(concat("materials/", index, ": its base colour is not 4 numbers"));
+      base[c] = *share;
+    }
+    return base;
+  }
+
+  static glm::u16vec3 color_of(const glm::dvec3& linear) {
+    glm::u16vec3 color(0);
+    for (int c = 0; c < 3; ++c) {
+      if (linear[c] == linear[c])
+        color[c] = static_cast<std::uint16_t>(65535.0 * srgb_of(linear[c]) + 0.5);
+    }
+    return color;
+  }
+
+  /// Colours of the vertices of a primitive that has them, and otherwise those of its material.
+  Result<void> add_colors(Fields& primitive, Fields& named, std::size_t begin) {
+    const glm::dvec3 base = TRY(base_color(primitive));
+    colored_ |= named.has("COLOR_0") || base != glm::dvec3(1.0);
+    colors_.resize(points_.size(), color_of(base));
+    if (!named.has("COLOR_0")) return {};
+    const Accessor colors = TRY(accessor(named.integer("COLOR_0", kMaxInteger)));
+    if (colors.count != points_.size() - begin || colors.width < 3)
+      return fail("COLOR_0 does not fit POSITION");
+    each(colors, [&](std::size_t i, const glm::dvec4& v) {
+      colors_[begin + i] = color_of(base * glm::dvec3(v));
+    });
+    return {};
+  }
+
+  Result<void> add_primitive(Fields& primitive, Fields& named, std::size_t position,
+                             const glm::dmat4& matrix) {
     const Accessor positions = TRY(accessor(position));
     if (positions.width != 3) return fail("POSITION has no three numbers a vertex");
     const std::size_t begin = points_.size();
@@ -471,18 +549,7 @@ class GltfReader {
         normals_[begin + i] = glm::vec3(turn * glm::dvec3(v));
       });
     }
-    if (named.has("COLOR_0")) {
-      const Accessor colors = TRY(accessor(named.integer("COLOR_0", kMaxInteger)));
-      if (colors.count != positions.count || colors.width < 3)
-        return fail("COLOR_0 does not fit POSITION");
-      colors_.resize(points_.size(), glm::u16vec3(0));
-      each(colors, [&](std::size_t i, const glm::dvec4& v) {
-        for (int c = 0; c < 3; ++c)
-          colors_[begin + i][c] = v[c] == v[c]
-                                      ? static_cast<std::uint16_t>(65535.0 * srgb_of(v[c]) + 0.5)
-                                      : std::uint16_t{0};
-      });
-    }
+    TRY(add_colors(primitive, named, begin));
     return named.check();
   }
 
@@ -494,15 +561,14 @@ class GltfReader {
     collector.add(reinterpret_cast<const std::uint8_t*>(points_.data()), 0, points_.size());
     PointCloud cloud = collector.finish();
     if (!normals_.empty()) normals_.resize(points_.size(), glm::vec3(0.0f));
-    if (!colors_.empty()) colors_.resize(points_.size(), glm::u16vec3(0));
     cloud.normals = std::move(normals_);
-    cloud.colors = std::move(colors_);
+    if (colored_) cloud.colors = std::move(colors_);
     return cloud;
   }
 
   const JsonValue root_;
   const ByteView binary_;
-  Parts nodes_, meshes_, accessors_, views_, buffers_json_;
+  Parts nodes_, meshes_, materials_, accessors_, views_, buffers_json_;
   std::vector<std::size_t> scene_nodes_;
   std::vector<Bytes> decoded_;
   std::vector<ByteView> buffers_;
@@ -511,13 +577,14 @@ class GltfReader {
   std::vector<bool> shown_;    ///< for each node
   std::vector<glm::dvec3> points_;
   std::vector<glm::vec3> normals_;
-  std::vector<glm::u16vec3> colors_;
+  std::vector<glm::u16vec3> colors_;  ///< of all points, white where nothing tells them
+  bool colored_ = false;              ///< something does
 };
 
 }  // namespace
 
 Result<PointCloud> read_gltf(const ByteSource& source, const DecodeLimits& limits,
-                             std::vector<std::string>& unread) {
+                             ReadNotes& notes) {
   Bytes room;
   const GlbChunks chunks = TRY(chunks_of(TRY(source.all(room))));
   std::string_view json(reinterpret_cast<const char*>(chunks.json.data()), chunks.json.size());
@@ -525,7 +592,7 @@ Result<PointCloud> read_gltf(const ByteSource& source, const DecodeLimits& limit
   while (json.ends_with('\0')) json.remove_suffix(1);
   const JsonValue root = TRY(parse_json(json));
   if (!root.is_object()) return fail("is no glTF file: its JSON is no object");
-  return GltfReader(root, chunks.binary, limits).read(unread);
+  return GltfReader(root, chunks.binary, limits).read(notes);
 }
 
 }  // namespace pointreel

@@ -1,5 +1,6 @@
 #include "codec/formats/las.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -32,7 +33,8 @@ constexpr std::array<PointFormat, 11> kPointFormats{{{20},
 /// Bytes of headers, from the begin of the file.
 constexpr std::size_t kVersion = 24, kHeaderSize = 94, kPoints = 96, kFormat = 104,
                       kRecordSize = 105, kCount = 107, kScale = 131, kOffset = 155,
-                      kOldHeader = 227, kLongCount = 247, kNewHeader = 375;
+                      kOldHeader = 227, kWaveforms = 227, kExtendedRecords = 235,
+                      kExtendedCount = 243, kLongCount = 247, kNewHeader = 375;
 /// Set in the format's number by programs that write LAZ.
 constexpr std::uint8_t kCompressed = 0xc0;
 
@@ -51,9 +53,14 @@ bool finite(const glm::dvec3& v) {
 
 struct LasHeader {
   RecordTable table;
+  std::uint64_t points_end = ~std::uint64_t{0};  ///< where something else begins
   std::uint8_t format = 0;
   glm::dvec3 scale{1.0}, offset{0.0};
 };
+
+void end_points_at(std::uint64_t offset, LasHeader& header) {
+  if (offset > header.table.begin) header.points_end = std::min(header.points_end, offset);
+}
 
 Result<LasHeader> parse_header(ByteView bytes) {
   if (bytes.size() < kOldHeader) {
@@ -97,7 +104,12 @@ Result<LasHeader> parse_header(ByteView bytes) {
     }
     const auto count = at<std::uint64_t>(bytes, kLongCount);
     if (count > 0) header.table.count = count;
+    if (at<std::uint32_t>(bytes, kExtendedCount) > 0)
+      end_points_at(at<std::uint64_t>(bytes, kExtendedRecords), header);
   }
+  if (minor >= 3 && bytes.size() >= kWaveforms + 8 &&
+      at<std::uint16_t>(bytes, kHeaderSize) >= kWaveforms + 8)
+    end_points_at(at<std::uint64_t>(bytes, kWaveforms), header);
   header.scale = vector_at(bytes, kScale);
   header.offset = vector_at(bytes, kOffset);
   if (!finite(header.scale) || header.scale.x == 0.0 || header.scale.y == 0.0 ||
@@ -110,11 +122,27 @@ Result<LasHeader> parse_header(ByteView bytes) {
   return header;
 }
 
+/// Programs that end early leave the count of points at 0, or too low.
+void correct_count(LasHeader& header, std::uint64_t file_size, ReadNotes& notes) {
+  RecordTable& table = header.table;
+  const std::uint64_t end = std::min(header.points_end, file_size);
+  const std::uint64_t bytes = end - std::min(end, table.begin), room = bytes / table.size;
+  if (room <= table.count) return;
+  // Something else may follow, unless there is nothing but points.
+  const bool are_points = table.count == 0 || bytes % table.size == 0;
+  notes.warnings.push_back(concat("the header says ", table.count, " points, but there are ",
+                                  are_points ? concat(room, ": all are read")
+                                             : concat(bytes - table.count * table.size,
+                                                      " bytes behind them that are not read")));
+  if (are_points) table.count = room;
+}
+
 }  // namespace
 
-Result<PointCloud> read_las(const ByteSource& source, std::vector<std::string>& unread) {
+Result<PointCloud> read_las(const ByteSource& source, ReadNotes& notes) {
   Bytes room;
-  const LasHeader header = TRY(parse_header(TRY(source.view(0, kNewHeader, room))));
+  LasHeader header = TRY(parse_header(TRY(source.view(0, kNewHeader, room))));
+  correct_count(header, source.size(), notes);
   const PointFormat& format = kPointFormats[header.format];
   const auto vector = [&](std::size_t offset, NumberType type) {
     RecordVector fields;
@@ -136,10 +164,10 @@ Result<PointCloud> read_las(const ByteSource& source, std::vector<std::string>& 
   scalar("return number", 14, NumberType::uint8, old ? 0x07 : 0x0f);
   scalar("classification", old ? 15 : 16, NumberType::uint8, old ? 0x1f : 0xff);
   if (format.infrared) scalar("infrared", 36, NumberType::uint16);
-  unread.insert(unread.end(), {"flags", "scan angle", "user data", "point source"});
-  if (format.time) unread.push_back("GPS time");
-  if (format.waveform) unread.push_back("waveform");
-  if (header.table.size > format.size) unread.push_back("extra bytes");
+  notes.unread.insert(notes.unread.end(), {"flags", "scan angle", "user data", "point source"});
+  if (format.time) notes.unread.push_back("GPS time");
+  if (format.waveform) notes.unread.push_back("waveform");
+  if (header.table.size > format.size) notes.unread.push_back("extra bytes");
   return read_records(source, header.table, layout);
 }
 

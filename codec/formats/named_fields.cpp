@@ -1,21 +1,18 @@
 #include "codec/formats/named_fields.h"
 
 #include <algorithm>
-#include <cctype>
-#include <initializer_list>
+#include <span>
 #include <string_view>
 
 #include "common/base/concat.h"
+#include "common/base/letter_case.h"
+#include "common/cloud/attribute_names.h"
 #include "common/cloud/ply_header.h"
 
 namespace pointreel {
 namespace {
 
-bool same_name(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char x, unsigned char y) {
-    return std::tolower(x) == std::tolower(y);
-  });
-}
+constexpr VectorNames kPositionFields{"x", "y", "z"};
 
 /// Fields that have not been given a meaning.
 class Unassigned {
@@ -25,9 +22,8 @@ class Unassigned {
   }
 
   /// The first of the spellings that is complete.
-  std::optional<RecordVector> take(
-      std::initializer_list<std::array<std::string_view, 3>> spellings) {
-    for (const auto& names : spellings) {
+  std::optional<RecordVector> take(std::span<const VectorNames> spellings) {
+    for (const VectorNames& names : spellings) {
       std::array<std::size_t, 3> at{};
       for (std::size_t i = 0; i < 3; ++i) at[i] = find(names[i]);
       if (std::max({at[0], at[1], at[2]}) == fields_.size()) continue;
@@ -42,8 +38,8 @@ class Unassigned {
   }
 
   /// A number of four bytes.
-  std::optional<RecordField> take_packed(std::initializer_list<std::string_view> names) {
-    for (const std::string_view name : names) {
+  std::optional<RecordField> take_packed() {
+    for (const std::string_view name : kPackedColorNames) {
       const std::size_t at = find(name);
       if (at == fields_.size() || size_of(fields_[at].field.type) != 4) continue;
       taken_[at] = true;
@@ -72,7 +68,7 @@ class Unassigned {
  private:
   std::size_t find(std::string_view name) const {
     for (std::size_t i = 0; i < fields_.size(); ++i)
-      if (!taken_[i] && same_name(fields_[i].name, name)) return i;
+      if (!taken_[i] && equal_in_any_case(fields_[i].name, name)) return i;
     return fields_.size();
   }
 
@@ -86,19 +82,19 @@ Result<RecordLayout> layout_of(const std::vector<NamedField>& fields,
                                std::vector<std::string>& unread) {
   Unassigned unassigned(fields);
   RecordLayout layout;
-  const auto position = unassigned.take({{"x", "y", "z"}});
+  const auto position = unassigned.take({&kPositionFields, 1});
   if (!position) {
-    for (const std::string_view name : {"x", "y", "z"}) {
+    for (const std::string_view name : kPositionFields) {
       const bool there = std::any_of(fields.begin(), fields.end(), [&](const NamedField& field) {
-        return same_name(field.name, name);
+        return equal_in_any_case(field.name, name);
       });
       if (!there) return fail(concat("the points have no field ", name));
     }
   }
   layout.position = *position;
-  layout.normal = unassigned.take({{"nx", "ny", "nz"}, {"normal_x", "normal_y", "normal_z"}});
-  layout.color = unassigned.take({{"red", "green", "blue"}, {"r", "g", "b"}});
-  if (!layout.color) layout.packed_color = unassigned.take_packed({"rgb", "rgba"});
+  layout.normal = unassigned.take(kNormalNames);
+  layout.color = unassigned.take(kColorNames);
+  if (!layout.color) layout.packed_color = unassigned.take_packed();
   layout.scalars = unassigned.scalars(unread);
   return layout;
 }

@@ -14,12 +14,8 @@ struct NamedField {
   RecordField field;
 };
 
-/// Finds out by their names what the numbers of points stand for. Case does not matter; if an
-/// attribute has several spellings, the first complete one counts:
-///   positions  x y z
-///   normals    nx ny nz, or normal_x normal_y normal_z
-///   colours    red green blue, or r g b; else rgb or rgba, one number of four bytes
-/// The first kMaxScalars of the others whose names can be those of scalar fields become
+/// Finds out by their names (attribute_names.h) what the numbers of points stand for. The first
+/// kMaxScalars of the others whose names can be those of scalar fields become
 /// RecordLayout::scalars. `unread` receives the names of the rest, in a form that fits into a
 /// one-line message; those called "_" are padding. An error if there is no position.
 Result<RecordLayout> layout_of(const std::vector<NamedField>& fields,

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cstdint>
 #include <cstring>
+#include <string>
 #include <string_view>
 
 #include "codec/formats/records.h"
@@ -22,7 +23,7 @@ struct Vertex {
 
 class ObjReader {
  public:
-  Result<PointCloud> read(std::string_view text) {
+  Result<PointCloud> read(std::string_view text, ReadNotes& notes) {
     Lines lines(text);
     for (std::string_view line; lines.next(line);) {
       std::string_view rest = line;
@@ -33,11 +34,13 @@ class ObjReader {
       } else if (keyword == "vn") {
         done = add_normal(rest);
       } else if (keyword == "f") {
-        done = add_corners(rest);
+        // Faces are used for their normals alone: a wrong one costs no vertices.
+        if (const auto added = add_corners(rest); !added && bad_faces_++ == 0)
+          first_bad_face_ = concat("line ", lines.number(), ": ", added.error().message);
       }
       if (!done) return fail_at(concat("line ", lines.number()), done.error());
     }
-    return finish();
+    return finish(notes);
   }
 
  private:
@@ -100,7 +103,12 @@ class ObjReader {
     return {};
   }
 
-  PointCloud finish() {
+  PointCloud finish(ReadNotes& notes) {
+    if (bad_faces_ > 0) {
+      notes.warnings.push_back(concat(first_bad_face_, "; ", bad_faces_,
+                                      bad_faces_ == 1 ? " such face is" : " such faces are",
+                                      " skipped, all vertices are read"));
+    }
     RecordLayout layout;
     for (std::size_t i = 0; i < 3; ++i) {
       layout.position[i] = {offsetof(Vertex, position) + i * sizeof(double), sizeof(Vertex),
@@ -129,13 +137,15 @@ class ObjReader {
   std::vector<glm::vec3> normals_;
   std::vector<glm::vec3> sums_;  ///< of the normals of each vertex, as far as faces have any
   bool colors_ = true;           ///< all vertices have one
+  std::size_t bad_faces_ = 0;
+  std::string first_bad_face_;
 };
 
 }  // namespace
 
-Result<PointCloud> read_obj(const ByteSource& source) {
+Result<PointCloud> read_obj(const ByteSource& source, ReadNotes& notes) {
   Bytes room;
-  return ObjReader().read(text_of(TRY(source.all(room))));
+  return ObjReader().read(text_of(TRY(source.all(room))), notes);
 }
 
 }  // namespace pointreel

@@ -7,13 +7,17 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <lzf.h>
 
 #include "codec/formats/named_fields.h"
 #include "codec/formats/words.h"
 #include "common/base/concat.h"
+#include "common/base/letter_case.h"
 #include "common/base/parse_number.h"
 #include "common/base/try.h"
 #include "common/cloud/ply_header.h"
@@ -24,6 +28,8 @@ namespace {
 /// Far more than the header of any real file has.
 constexpr std::size_t kMaxHeader = std::size_t{1} << 18;
 constexpr std::size_t kMaxFields = 1024;
+/// Of lines that are skipped.
+constexpr std::size_t kMaxWarnings = 8;
 constexpr std::uint64_t kMaxRecord = std::uint64_t{1} << 20;
 /// Three bytes of LZF stand for at most 264.
 constexpr std::uint64_t kLzfRatio = 90;
@@ -42,6 +48,7 @@ struct PcdHeader {
   Data data = Data::ascii;
   std::size_t size = 0, lines = 0;
   bool moved = false;  ///< VIEWPOINT is not the origin
+  std::vector<std::string> warnings;
 };
 
 Result<std::uint64_t> parse_count(std::string_view word, std::string_view keyword) {
@@ -86,14 +93,18 @@ bool is_origin(std::string_view rest) {
   return true;
 }
 
-Result<void> parse_line(std::string_view keyword, std::string_view rest, PcdHeader& header) {
-  if (keyword == "FIELDS" || keyword == "COLUMNS") return parse_fields(rest, header);
+/// False if the keyword is unknown.
+Result<bool> parse_line(std::string_view keyword, std::string_view rest, PcdHeader& header) {
+  const auto known = [] { return true; };
+  if (keyword == "FIELDS" || keyword == "COLUMNS") return parse_fields(rest, header).map(known);
   if (keyword == "SIZE" || keyword == "COUNT") {
-    return parse_each(
-        rest, keyword, header, [&](std::string_view word, Field& field) -> Result<void> {
-          (keyword == "SIZE" ? field.size : field.count) = TRY(parse_count(word, keyword));
-          return {};
-        });
+    return parse_each(rest, keyword, header,
+                      [&](std::string_view word, Field& field) -> Result<void> {
+                        (keyword == "SIZE" ? field.size : field.count) =
+                            TRY(parse_count(word, keyword));
+                        return {};
+                      })
+        .map(known);
   }
   if (keyword == "TYPE") {
     return parse_each(rest, keyword, header,
@@ -101,7 +112,8 @@ Result<void> parse_line(std::string_view keyword, std::string_view rest, PcdHead
                         field.type = word[0];
                         if (word == "I" || word == "U" || word == "F") return {};
                         return fail(concat("TYPE has '", printable(word), "': expected I, U or F"));
-                      });
+                      })
+        .map(known);
   }
   const std::string_view word = take_word(rest);
   if (keyword == "WIDTH") {
@@ -111,20 +123,20 @@ Result<void> parse_line(std::string_view keyword, std::string_view rest, PcdHead
   } else if (keyword == "POINTS") {
     header.points = TRY(parse_count(word, keyword));
   } else if (keyword == "DATA") {
-    if (word == "ascii") {
+    if (equal_in_any_case(word, "ascii")) {
       header.data = Data::ascii;
-    } else if (word == "binary") {
+    } else if (equal_in_any_case(word, "binary")) {
       header.data = Data::binary;
-    } else if (word == "binary_compressed") {
+    } else if (equal_in_any_case(word, "binary_compressed")) {
       header.data = Data::compressed;
     } else {
       return fail(
           concat("DATA is '", printable(word), "': expected ascii, binary or binary_compressed"));
     }
   } else if (keyword != "VERSION") {
-    return fail(concat("unknown keyword '", printable(keyword), "' in the header"));
+    return false;
   }
-  return {};
+  return true;
 }
 
 Result<PcdHeader> parse_header(std::string_view text) {
@@ -132,15 +144,19 @@ Result<PcdHeader> parse_header(std::string_view text) {
   Lines lines(text);
   for (std::string_view line; lines.next(line);) {
     std::string_view rest = line;
-    const std::string_view keyword = take_word(rest);
+    const std::string keyword = in_capitals(take_word(rest));
     if (keyword.empty() || keyword[0] == '#') continue;
     const std::string place = concat("line ", lines.number());
     if (keyword == "VIEWPOINT") {
       header.moved = !is_origin(rest);
       continue;
     }
-    if (const Result<void> parsed = parse_line(keyword, rest, header); !parsed)
-      return fail_at(place, parsed.error());
+    const Result<bool> known = parse_line(keyword, rest, header);
+    if (!known) return fail_at(place, known.error());
+    if (!*known && header.warnings.size() < kMaxWarnings) {
+      header.warnings.push_back(
+          concat(place, ": is skipped: unknown keyword '", printable(keyword), "'"));
+    }
     if (keyword != "DATA") continue;
     if (header.fields.empty()) return fail_at(place, Error{"DATA comes before FIELDS"});
     header.size = text.size() - lines.rest().size();
@@ -319,14 +335,15 @@ Result<PointCloud> read_ascii(const ByteSource& source, const PcdHeader& header,
 
 }  // namespace
 
-Result<PointCloud> read_pcd(const ByteSource& source, std::vector<std::string>& unread) {
+Result<PointCloud> read_pcd(const ByteSource& source, ReadNotes& notes) {
   Bytes room;
-  const PcdHeader header = TRY(parse_header(text_of(TRY(source.view(0, kMaxHeader, room)))));
+  PcdHeader header = TRY(parse_header(text_of(TRY(source.view(0, kMaxHeader, room)))));
   const std::uint64_t count = TRY(count_of(header));
   const Table table = TRY(table_of(header, count));
-  const RecordLayout layout = TRY(layout_of(table.single, unread));
-  unread.insert(unread.end(), table.others.begin(), table.others.end());
-  if (header.moved) unread.push_back("VIEWPOINT");
+  const RecordLayout layout = TRY(layout_of(table.single, notes.unread));
+  notes.unread.insert(notes.unread.end(), table.others.begin(), table.others.end());
+  if (header.moved) notes.unread.push_back("VIEWPOINT");
+  notes.warnings = std::move(header.warnings);
   switch (header.data) {
     case Data::ascii:
       return read_ascii(source, header, table, count);

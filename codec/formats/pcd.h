@@ -1,9 +1,7 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "codec/formats/byte_source.h"
+#include "common/cloud/read_notes.h"
 #include "pointreel/cloud.h"
 #include "pointreel/error.h"
 
@@ -15,12 +13,13 @@ namespace pointreel {
 /// measured (NaN) remain in the cloud. Points stay where they are, whatever VIEWPOINT says: it
 /// tells from where they were seen, not where they belong.
 ///
-/// The error names the line (header, ascii) or the byte (binary). `unread` receives the names of
-/// what is skipped: other fields, and VIEWPOINT unless it is the origin.
+/// The error names the line (header, ascii) or the byte (binary). `notes` receives the names
+/// of what is skipped: other fields, and VIEWPOINT unless it is the origin. Lines with unknown
+/// keywords are skipped with a warning; case does not matter in keywords.
 /// Source: "The PCD (Point Cloud Data) file format", pointclouds.org.
 ///
 /// Trust: the bytes may be hostile. Memory is bounded by a constant times their number, whatever
 /// the header says: LZF makes at most 90 bytes of one.
-Result<PointCloud> read_pcd(const ByteSource& source, std::vector<std::string>& unread);
+Result<PointCloud> read_pcd(const ByteSource& source, ReadNotes& notes);
 
 }  // namespace pointreel

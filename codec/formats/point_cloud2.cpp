@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string_view>
 
@@ -78,7 +79,7 @@ std::optional<NumberType> type_of(std::uint8_t code) {
 struct Message {
   std::uint32_t height = 0, width = 0, point_step = 0, row_step = 0;
   std::vector<NamedField> fields;
-  std::vector<std::string> others;  ///< names of fields with more or fewer numbers than one
+  std::vector<std::string> others;  ///< names of fields with more numbers than one
   bool swapped = false;
   ByteView data;
 };
@@ -102,9 +103,10 @@ Result<Message> parse(ByteView bytes) {
     const auto count = cdr.get<std::uint32_t>();
     if (!cdr.ok()) break;
     if (!type) return fail(concat("fields: the type of ", printable(name), " does not exist"));
-    if (count == 1) {
+    // PCL writes 0 for 1.
+    if (count <= 1) {
       message.fields.push_back({std::string(name), {offset, 0, *type}});
-    } else if (count > 1) {
+    } else {
       message.others.push_back(name.empty() ? "(unnamed)" : printable(name));
     }
   }
@@ -117,7 +119,7 @@ Result<Message> parse(ByteView bytes) {
   return message;
 }
 
-Result<void> check(const Message& message) {
+Result<void> check(Message& message) {
   const std::uint64_t row = std::uint64_t{message.width} * message.point_step;
   if (message.point_step == 0) return fail("point_step: is 0");
   for (const NamedField& named : message.fields) {
@@ -126,6 +128,9 @@ Result<void> check(const Message& message) {
                          message.point_step));
     }
   }
+  // Some writers leave it at 0: then rows follow each other.
+  if (message.row_step == 0 && row <= std::numeric_limits<std::uint32_t>::max())
+    message.row_step = static_cast<std::uint32_t>(row);
   if (message.height > 1 && message.row_step < row)
     return fail(concat("row_step: is ", message.row_step, ", but a row takes ", row, " bytes"));
   const std::uint64_t all = (message.height - 1) * std::uint64_t{message.row_step} + row;
@@ -136,15 +141,15 @@ Result<void> check(const Message& message) {
 
 }  // namespace
 
-Result<PointCloud> read_point_cloud2(const ByteSource& source, std::vector<std::string>& unread) {
+Result<PointCloud> read_point_cloud2(const ByteSource& source, ReadNotes& notes) {
   Bytes room;
   Message message = TRY(parse(TRY(source.all(room))));
   if (message.width == 0 || message.height == 0) return PointCloud{};
   TRY(check(message));
   for (NamedField& named : message.fields) named.field.stride = message.point_step;
-  RecordLayout layout = TRY(layout_of(message.fields, unread));
+  RecordLayout layout = TRY(layout_of(message.fields, notes.unread));
   layout.swapped = message.swapped;
-  unread.insert(unread.end(), message.others.begin(), message.others.end());
+  notes.unread.insert(notes.unread.end(), message.others.begin(), message.others.end());
   RecordCollector collector(layout, std::size_t{message.width} * message.height);
   for (std::uint32_t row = 0; row < message.height; ++row) {
     collector.add(message.data.data() + std::size_t{row} * message.row_step, 0, message.width);

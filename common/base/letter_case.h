@@ -15,6 +15,13 @@ inline std::string in_small_letters(std::string_view text) {
   return small;
 }
 
+inline std::string in_capitals(std::string_view text) {
+  std::string capitals(text);
+  for (char& c : capitals)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 32);
+  return capitals;
+}
+
 constexpr bool equal_in_any_case(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](char x, char y) { return small_letter(x) == small_letter(y); });

@@ -101,6 +101,13 @@ class BinaryBody {
     return {};
   }
 
+  /// Whether there seem to be further rows of an element.
+  bool has_more(const PlyElement& element) const {
+    const std::size_t rest = bytes_.size() - at_;
+    return !has_lists(element) && rest > 0 &&
+           rest % min_row_size(element, PlyFormat::little_endian) == 0;
+  }
+
  private:
   static bool has_lists(const PlyElement& element) {
     return std::any_of(element.properties.begin(), element.properties.end(),
@@ -195,6 +202,14 @@ class AsciiBody {
 
   Result<void> read(const PlyElement& vertex, const PlyRoles& roles, PlyCloudBuilder& builder) {
     return walk(vertex, &roles, &builder);
+  }
+
+  /// Whether there seem to be further rows of an element.
+  bool has_more(const PlyElement& element) {
+    double ignored = 0.0;
+    return !element.properties.empty() &&
+           std::all_of(element.properties.begin(), element.properties.end(),
+                       [&](const PlyProperty&) { return parse_number(take_word(), ignored); });
   }
 
  private:
@@ -294,6 +309,11 @@ Result<PointCloud> read_body(Body body, const PlyHeader& header, std::size_t dat
     }
   }
   if (!cloud) return fail("the header declares no element vertex");
+  const PlyElement& last = header.elements.back();
+  if (last.name == "vertex" && body.has_more(last)) {
+    notes.warnings.push_back(
+        concat("the header says ", last.count, " vertices, but more follow, which are not read"));
+  }
   return std::move(*cloud);
 }
 

@@ -15,13 +15,14 @@ namespace pointreel::fuzz {
 /// many points there were.
 inline std::size_t read_points(ByteView bytes, CloudFormat format) {
   const DecodeLimits limits{1u << 20, std::uint64_t{64} << 20};
-  std::vector<std::string> unread;
-  Result<PointCloud> cloud = read_points(ByteSource(bytes), format, limits, unread);
+  ReadNotes notes;
+  Result<PointCloud> cloud = read_points(ByteSource(bytes), format, limits, notes);
   if (!cloud) {
     require(one_line(cloud.error().message));
     return 0;
   }
-  for (const std::string& name : unread) require(one_line(name));
+  for (const std::string& name : notes.unread) require(one_line(name));
+  for (const std::string& line : notes.warnings) require(one_line(line));
   const std::size_t count = cloud->size();
   require(!cloud->has_normals() || cloud->normals.size() == count);
   require(!cloud->has_colors() || cloud->colors.size() == count);

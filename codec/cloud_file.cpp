@@ -198,12 +198,17 @@ void add_recording(CloudSequence& sequence, const fs::path& file,
     if (const auto time_ns = recording->time_ns(i)) frame.time_us = *time_ns / 1000;
     sequence.frames.push_back(std::move(frame));
   }
+  const RecordingLoss loss = recording->loss();
+  for (const std::string& line : loss.warnings)
+    sequence.warnings.push_back(fmt::format("{}: {}", file.string(), line));
+  sequence.lost_parts += loss.parts;
 }
 
 /// Null for a file of one cloud.
 Result<std::shared_ptr<const Recording>> open_recording(const fs::path& path,
                                                         const std::string& topic,
-                                                        std::uint64_t max_memory) {
+                                                        std::uint64_t max_memory,
+                                                        bool best_effort) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return open_depth_folder(path);
   const std::string name = path.string();
@@ -211,16 +216,18 @@ Result<std::shared_ptr<const Recording>> open_recording(const fs::path& path,
   if (format == CloudFormat::depth_video) return at_place(name, open_depth_video(path, max_memory));
   if (format != CloudFormat::mcap) return nullptr;
   ByteSource source = TRY(at_place(name, ByteSource::open(path)));
-  return TRY(at_place(name, McapRecording::open(std::move(source), topic, max_memory)));
+  return TRY(
+      at_place(name, McapRecording::open(std::move(source), topic, max_memory, best_effort)));
 }
 
 }  // namespace
 
 Result<CloudSequence> list_cloud_frames(const std::vector<fs::path>& inputs,
-                                        const std::string& topic, std::uint64_t max_memory) {
+                                        const std::string& topic, std::uint64_t max_memory,
+                                        bool best_effort) {
   CloudSequence sequence;
   for (const fs::path& file : TRY(list_cloud_files(inputs, &sequence.warnings))) {
-    if (const auto recording = TRY(open_recording(file, topic, max_memory))) {
+    if (const auto recording = TRY(open_recording(file, topic, max_memory, best_effort))) {
       add_recording(sequence, file, recording);
     } else {
       sequence.frames.push_back({file});

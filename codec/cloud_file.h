@@ -80,7 +80,8 @@ struct CloudSequence {
   /// unless all frames have times, in order.
   std::vector<std::uint64_t> times_us;
   double fps = 0.0;                   ///< by the median spacing of `times_us`; 0 without
-  std::vector<std::string> warnings;  ///< of list_cloud_files
+  std::vector<std::string> warnings;  ///< of list_cloud_files, and what recordings lack
+  std::size_t lost_parts = 0;         ///< RecordingLoss::parts
 
   std::uint64_t end_us() const;
   /// Unix time of the first frame; nothing if its time is counted from another moment.
@@ -91,10 +92,12 @@ struct CloudSequence {
 
 /// The frames of list_cloud_files: each file, and each cloud of recordings (.mcap, and depth in
 /// .mkv and folders). `topic`: of recordings that have several. `max_memory`: of the parts of
-/// recordings that are kept. The error begins with the path.
+/// recordings that are kept. `best_effort`: leave damaged parts of recordings out. The error begins
+/// with the path.
 Result<CloudSequence> list_cloud_frames(const std::vector<std::filesystem::path>& inputs,
                                         const std::string& topic = {},
-                                        std::uint64_t max_memory = ~std::uint64_t{0});
+                                        std::uint64_t max_memory = ~std::uint64_t{0},
+                                        bool best_effort = false);
 
 /// The error begins with the frame's name.
 Result<LoadedCloud> read_cloud_frame(const CloudFrame& frame,

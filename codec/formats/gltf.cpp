@@ -26,8 +26,8 @@ constexpr std::uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChu
 constexpr std::uint64_t kVertexMemory = 64;
 /// Vertices of an accessor that has no buffer but only single vertices that differ from zero.
 constexpr std::size_t kMostZeros = std::size_t{1} << 20;
-/// Characters of the meshes that nodes show, again and again.
-constexpr std::size_t kMostMeshText = std::size_t{1} << 28;
+/// Characters of meshes and materials that nodes show, again and again.
+constexpr std::size_t kMostJsonRead = std::size_t{1} << 28;
 /// Far deeper than any real scene, whose nodes are visited by recursion.
 constexpr int kMostLevels = 100;
 
@@ -457,8 +457,8 @@ class GltfReader {
 
   Result<void> add_mesh(std::size_t index, const glm::dmat4& matrix) {
     if (index >= meshes_.size()) return fail(concat("there is no meshes/", index));
-    mesh_text_ += meshes_[index].text().size();
-    if (mesh_text_ > kMostMeshText)
+    json_read_ += meshes_[index].text().size();
+    if (json_read_ > kMostJsonRead)
       return fail(ErrorCode::limit, "the scene shows its meshes too often");
     Fields mesh(meshes_[index]);
     const JsonValue* primitives = mesh.value("primitives");
@@ -481,12 +481,15 @@ class GltfReader {
   }
 
   /// Of a primitive's material; white without one. Textures are not looked at.
-  Result<glm::dvec3> base_color(Fields& primitive) const {
+  Result<glm::dvec3> base_color(Fields& primitive) {
     glm::dvec3 base(1.0);
     if (!primitive.has("material")) return base;
     const std::size_t index = primitive.integer("material", kMaxInteger);
     TRY(primitive.check());
     if (index >= materials_.size()) return fail(concat("there is no materials/", index));
+    json_read_ += materials_[index].text().size();
+    if (json_read_ > kMostJsonRead)
+      return fail(ErrorCode::limit, "the scene shows its materials too often");
     Fields material(materials_[index]);
     TRY(at_place(concat("materials/", index), material.check()));
     if (!material.has("pbrMetallicRoughness")) return base;
@@ -573,7 +576,7 @@ class GltfReader {
   std::vector<Bytes> decoded_;
   std::vector<ByteView> buffers_;
   const std::size_t most_vertices_;
-  std::size_t mesh_text_ = 0;  ///< characters of the meshes that were shown
+  std::size_t json_read_ = 0;  ///< characters of meshes and materials
   std::vector<bool> shown_;    ///< for each node
   std::vector<glm::dvec3> points_;
   std::vector<glm::vec3> normals_;

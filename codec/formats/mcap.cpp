@@ -42,6 +42,7 @@ struct Chunk {
   std::uint32_t checksum = 0;                         ///< CRC-32 of the unpacked ones; 0: none
   std::string compression;
   bool indexed = false;
+  bool cut = false;  ///< the file ends within its records
 };
 
 }  // namespace mcap
@@ -87,10 +88,26 @@ class PartReader {
   bool cut_ = false;
 };
 
+/// As much as the first bytes of compressed ones give.
+Result<std::size_t> unpack_cut_zstd(ByteView packed, Bytes& bytes) {
+  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(),
+                                                                     ZSTD_freeDCtx);
+  if (context == nullptr) return fail(ErrorCode::limit, "out of memory");
+  ZSTD_inBuffer in{packed.data(), packed.size(), 0};
+  ZSTD_outBuffer out{bytes.data(), bytes.size(), 0};
+  for (std::size_t before = ~std::size_t{0}; before != in.pos + out.pos;) {
+    before = in.pos + out.pos;
+    if (ZSTD_isError(ZSTD_decompressStream(context.get(), &out, &in))) break;
+  }
+  return out.pos;
+}
+
 Result<Bytes> unpack(const Chunk& chunk, ByteView packed) {
   Bytes bytes(static_cast<std::size_t>(chunk.unpacked));
   std::size_t size = 0;
-  if (chunk.compression == "zstd") {
+  if (chunk.compression == "zstd" && chunk.cut) {
+    size = TRY(unpack_cut_zstd(packed, bytes));
+  } else if (chunk.compression == "zstd") {
     size = ZSTD_decompress(bytes.data(), bytes.size(), packed.data(), packed.size());
     if (ZSTD_isError(size)) return fail("its zstd is damaged");
   } else {
@@ -104,10 +121,16 @@ Result<Bytes> unpack(const Chunk& chunk, ByteView packed) {
       std::size_t made = bytes.size() - size, taken = packed.size() - at;
       const std::size_t status =
           LZ4F_decompress(context, bytes.data() + size, &made, packed.data() + at, &taken, nullptr);
-      if (LZ4F_isError(status) || (made == 0 && taken == 0)) return fail("its lz4 is damaged");
+      const bool stuck = LZ4F_isError(status) || (made == 0 && taken == 0);
+      if (stuck && chunk.cut) break;
+      if (stuck) return fail("its lz4 is damaged");
       size += made;
       at += taken;
     }
+  }
+  if (chunk.cut) {
+    bytes.resize(size);
+    return bytes;
   }
   if (size != bytes.size())
     return fail(concat("unpacks to ", size, " bytes, but says ", bytes.size()));
@@ -120,17 +143,19 @@ Result<Bytes> unpack(const Chunk& chunk, ByteView packed) {
 
 class McapRecording::Impl {
  public:
-  Impl(ByteSource source, std::uint64_t max_memory)
-      : source_(std::move(source)), max_memory_(max_memory) {}
+  Impl(ByteSource source, std::uint64_t max_memory, bool best_effort)
+      : source_(std::move(source)), max_memory_(max_memory), best_effort_(best_effort) {}
 
   Result<void> open(const std::string& topic) {
     TRY(scan());
     // Chunks without an index have to be read, and all until every channel is known.
     for (std::uint32_t i = 0; i < chunks_.size(); ++i) {
-      if (!chunks_[i].indexed || !unknown_.empty()) TRY(read_contents(i));
+      if (!chunks_[i].indexed || !unknown_.empty()) TRY(or_leave_out(read_contents(i)));
     }
     return choose(topic);
   }
+
+  const RecordingLoss& loss() const { return loss_; }
 
   std::size_t size() const { return places_.size(); }
   std::uint64_t time_ns(std::size_t message) const { return places_[message].time_ns; }
@@ -150,6 +175,19 @@ class McapRecording::Impl {
   }
 
  private:
+  /// What is wrong with a part is no error where parts may be left out.
+  Result<void> or_leave_out(Result<void> taken) {
+    if (taken) return taken;
+    if (!best_effort_) {
+      return fail(taken.error().code,
+                  taken.error().message + "; pack --best-effort leaves such parts out");
+    }
+    if (loss_.warnings.size() < kMostWarnings)
+      loss_.warnings.push_back(taken.error().message + "; it is left out");
+    ++loss_.parts;
+    return {};
+  }
+
   /// The head of a record at `offset`; nothing where the file ends before.
   struct Record {
     std::uint8_t opcode = 0;
@@ -171,9 +209,14 @@ class McapRecording::Impl {
   Result<void> scan() {
     Bytes room;
     std::uint64_t at = kMcapMagic.size();
+    bool complete = false;
     for (;;) {
       const std::optional<Record> record = TRY(record_at(at));
-      if (!record || record->opcode == kFooter) return {};
+      // What follows the record that ends the data is an index of them.
+      complete |= record && record->opcode == kDataEnd;
+      if (record && record->opcode == kFooter) return {};
+      // Zeros are what systems leave after a crash.
+      if (!record || record->opcode == 0) return complete ? Result<void>() : end_at(at);
       const std::uint64_t begin = at + kHead;
       const std::string where = concat("byte ", at);
       // Only as much as is needed.
@@ -185,10 +228,27 @@ class McapRecording::Impl {
       if (record->opcode == kMessageIndex) wanted = record->size;
       if (wanted > 0) {
         const ByteView bytes = TRY(source_.view(begin, static_cast<std::size_t>(wanted), room));
-        TRY(at_place(where, take(*record, bytes, begin)));
+        TRY(or_leave_out(at_place(where, take(*record, bytes, begin))));
       }
       at = begin + record->size;
     }
+  }
+
+  /// The end of a recording that has no proper one. A chunk is taken as far as it is there.
+  Result<void> end_at(std::uint64_t at) {
+    Bytes room;
+    const ByteView bytes = TRY(source_.view(at, kHead + 256, room));
+    const bool in_chunk = bytes.size() > kHead && bytes[0] == kChunk &&
+                          take_chunk(bytes.subspan(kHead), at + kHead, ~std::uint64_t{0});
+    if (in_chunk) {
+      Chunk& chunk = chunks_.back();
+      chunk.packed = std::min(chunk.packed, source_.size() - chunk.begin);
+      chunk.cut = true;
+    }
+    loss_.warnings.push_back(concat("ends early, at byte ", at, " of ", source_.size(),
+                                    in_chunk ? ", within a chunk" : "",
+                                    ": what comes before is read"));
+    return {};
   }
 
   /// A record that stands by itself.
@@ -288,8 +348,10 @@ class McapRecording::Impl {
       ByteReader reader(rest);
       const auto opcode = reader.get<std::uint8_t>();
       const auto size = reader.get<std::uint64_t>();
-      if (size > rest.size() - kHead)
+      if (size > rest.size() - kHead) {
+        if (chunks_[index].cut) return {};
         return fail(concat("chunk ", index, ": a record ends after its chunk"));
+      }
       const ByteView content = rest.subspan(kHead, static_cast<std::size_t>(size));
       if (opcode == kSchema || opcode == kChannel)
         TRY(at_place(concat("chunk ", index), take_description(opcode, content)));
@@ -414,9 +476,12 @@ class McapRecording::Impl {
   }
 
   static constexpr std::size_t kKept = 4;  ///< chunks
+  static constexpr std::size_t kMostWarnings = 8;
 
   const ByteSource source_;
   const std::uint64_t max_memory_;
+  const bool best_effort_;
+  RecordingLoss loss_;
   std::map<std::uint16_t, std::string> schemas_;
   std::map<std::uint16_t, Channel> channels_;
   std::vector<Chunk> chunks_;
@@ -431,8 +496,9 @@ McapRecording::~McapRecording() = default;
 
 Result<std::shared_ptr<const McapRecording>> McapRecording::open(ByteSource source,
                                                                  const std::string& topic,
-                                                                 std::uint64_t max_memory) {
-  auto impl = std::make_unique<Impl>(std::move(source), max_memory);
+                                                                 std::uint64_t max_memory,
+                                                                 bool best_effort) {
+  auto impl = std::make_unique<Impl>(std::move(source), max_memory, best_effort);
   TRY(or_out_of_memory([&] { return impl->open(topic); }));
   return std::shared_ptr<const McapRecording>(new McapRecording(std::move(impl)));
 }
@@ -441,6 +507,7 @@ std::size_t McapRecording::size() const { return impl_->size(); }
 std::optional<std::uint64_t> McapRecording::time_ns(std::size_t message) const {
   return impl_->time_ns(message);
 }
+RecordingLoss McapRecording::loss() const { return impl_->loss(); }
 std::string McapRecording::name(std::size_t message) const { return concat("message ", message); }
 Result<Bytes> McapRecording::read(std::size_t message) const { return impl_->read(message); }
 

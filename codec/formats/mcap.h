@@ -25,17 +25,20 @@ class McapRecording : public Recording {
  public:
   /// An empty `topic` stands for the only one of point clouds. Errors do not contain the path:
   /// `argument` if there are several or none of that name, which the message lists; `unsupported`
-  /// for other kinds of messages; `invalid`, `limit`. What ends within a record, as after a crash,
-  /// is read up to there.
+  /// for other kinds of messages; `invalid`, `limit`. What ends early, as after a crash, is read up
+  /// to there, even within a chunk, and `loss` says where it ends. With `best_effort`, damaged
+  /// parts are left out, which `loss` says as well.
   static Result<std::shared_ptr<const McapRecording>> open(ByteSource source,
                                                            const std::string& topic,
-                                                           std::uint64_t max_memory);
+                                                           std::uint64_t max_memory,
+                                                           bool best_effort = false);
   ~McapRecording() override;
 
   CloudFormat format() const override { return CloudFormat::point_cloud2; }
   std::size_t size() const override;
   /// Of every message, since 1970.
   std::optional<std::uint64_t> time_ns(std::size_t message) const override;
+  RecordingLoss loss() const override;
   std::string name(std::size_t message) const override;
   Result<Bytes> read(std::size_t message) const override;
 

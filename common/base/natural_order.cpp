@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "common/base/letter_case.h"
+
 namespace pointreel {
 namespace {
 
@@ -31,8 +33,8 @@ bool natural_less(std::string_view a, std::string_view b) {
     }
     // How a digit compares with a character that is not one does not depend on the digit, so the
     // order stays transitive.
-    const auto byte_a = static_cast<unsigned char>(rest_a.front());
-    const auto byte_b = static_cast<unsigned char>(rest_b.front());
+    const auto byte_a = static_cast<unsigned char>(small_letter(rest_a.front()));
+    const auto byte_b = static_cast<unsigned char>(small_letter(rest_b.front()));
     if (byte_a != byte_b) return byte_a < byte_b;
     rest_a.remove_prefix(1);
     rest_b.remove_prefix(1);

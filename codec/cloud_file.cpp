@@ -1,6 +1,7 @@
 #include "codec/cloud_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <system_error>
@@ -8,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "codec/file_numbers.h"
 #include "codec/formats/byte_source.h"
 #include "codec/formats/depth_folder.h"
 #include "codec/formats/depth_video.h"
@@ -189,7 +191,36 @@ void CloudSequence::find_times() {
   fps = 1e6 / static_cast<double>(*middle);
 }
 
+void CloudSequence::keep_gaps(double frames_per_second) {
+  if (places.empty()) return;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].time_us = static_cast<std::uint64_t>(
+        std::llround(1e6 * static_cast<double>(places[i]) / frames_per_second));
+  }
+  find_times();
+}
+
 namespace {
+
+/// Looks for missing frames.
+void check_numbers(CloudSequence& sequence) {
+  std::vector<std::string> names;
+  const fs::path folder = sequence.frames.front().file.parent_path();
+  for (const CloudFrame& frame : sequence.frames) {
+    if (frame.recording != nullptr || frame.file.parent_path() != folder) return;
+    names.push_back(frame.file.filename().string());
+  }
+  const std::string missing = missing_numbers(names);
+  if (missing.empty()) return;
+  sequence.places = places_by_number(names);
+  const std::uint64_t count = sequence.places.back() + 1 - names.size();
+  sequence.warnings.push_back(fmt::format(
+      "{}: {} missing by {}: {}; the others are shown one after another (pack --keep-gaps keeps "
+      "their time)",
+      folder.empty() ? "." : folder.string(),
+      count == 1 ? "a frame is" : fmt::format("{} frames are", count),
+      count == 1 ? "its number" : "their numbers", missing));
+}
 
 void add_recording(CloudSequence& sequence, const fs::path& file,
                    const std::shared_ptr<const Recording>& recording) {
@@ -233,6 +264,7 @@ Result<CloudSequence> list_cloud_frames(const std::vector<fs::path>& inputs,
       sequence.frames.push_back({file});
     }
   }
+  check_numbers(sequence);
   sequence.find_times();
   return sequence;
 }

@@ -21,6 +21,7 @@ namespace pointreel {
 /// was repaired for that.
 struct LoadedCloud {
   PointCloud cloud;
+  std::size_t left_out = 0;           ///< points of the file
   std::vector<std::string> warnings;  ///< lines without the file's name
   std::vector<std::string> unread;    ///< names of what points have in the file and was skipped
 };
@@ -80,12 +81,17 @@ struct CloudSequence {
   /// unless all frames have times, in order.
   std::vector<std::uint64_t> times_us;
   double fps = 0.0;                   ///< by the median spacing of `times_us`; 0 without
-  std::vector<std::string> warnings;  ///< of list_cloud_files, and what recordings lack
+  std::vector<std::string> warnings;  ///< of list_cloud_files, and about what is missing
   std::size_t lost_parts = 0;         ///< RecordingLoss::parts
 
   std::uint64_t end_us() const;
   /// Unix time of the first frame; nothing if its time is counted from another moment.
   std::optional<std::uint64_t> captured_us() const;
+  /// Of the frames, as places_by_number tells them; empty if no number is missing.
+  std::vector<std::uint64_t> places;
+  /// Gives the frames the times that they had if none were missing.
+  void keep_gaps(double frames_per_second);
+
   /// Sets `times_us` and `fps` by the times of the frames.
   void find_times();
 };

@@ -49,9 +49,10 @@ void leave_out_far_zeros(LoadedCloud& loaded) {
   const glm::dvec3 away = glm::max(glm::max(others.min, -others.max), 0.0);
   const double length = std::max({extent.x, extent.y, extent.z});
   if (!(std::max({away.x, away.y, away.z}) > kFarLengths * length)) return;
-  keep_points(cloud, [&](std::size_t i) { return !is_zero(cloud, i); });
-  loaded.warnings.push_back(concat("left out ", count(zeros, "point"),
-                                   " at 0 0 0, far from all others; the first is point ", first));
+  std::string text = concat("left out ", count(zeros, "point"), " at 0 0 0, far from all others");
+  if (loaded.left_out == 0) text += concat("; the first is point ", first);
+  loaded.warnings.push_back(std::move(text));
+  loaded.left_out += keep_points(cloud, [&](std::size_t i) { return !is_zero(cloud, i); });
 }
 
 /// Of numbers that cameras, scanners and programs write although they have nothing to say.
@@ -111,6 +112,7 @@ LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format, ReadNotes notes) 
   loaded.warnings = std::move(notes.warnings);
   loaded.unread = std::move(notes.unread);
   const SanitizeReport report = sanitize(loaded.cloud);
+  loaded.left_out = report.dropped_positions;
   if (report.dropped_positions > 0 && !has_empty_points(format)) {
     loaded.warnings.push_back(
         concat("dropped ", count(report.dropped_positions, "point"), " without a finite position"));

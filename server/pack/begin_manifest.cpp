@@ -15,7 +15,7 @@ bool has_times_of_files(const PackOptions& options, const CloudSequence& sequenc
 
 Manifest begin_manifest(PackOptions& options, const CloudSequence& sequence) {
   const bool timed = has_times_of_files(options, sequence);
-  if (timed) options.fps = std::clamp(sequence.fps, kMinFps, kMaxFps);
+  if (timed && !options.keep_gaps) options.fps = std::clamp(sequence.fps, kMinFps, kMaxFps);
   Manifest manifest;
   static_cast<ReelHead&>(manifest) = reel_head(options);
   if (options.encode.id() == Codec::octree) add_scalar_layer(manifest.layer_names);

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "server/pack/strays.h"
+
 namespace pointreel {
 namespace {
 
@@ -62,8 +64,8 @@ bool misses_delta(const EncodedFrame& encoded, const PointCloud& cloud, const Gr
 
 }  // namespace
 
-std::optional<std::string> collapse_of(const EncodedFrame& encoded, const PointCloud& cloud,
-                                       const Grid& grid, const EncodeOptions& used) {
+std::optional<Collapse> collapse_of(const EncodedFrame& encoded, const PointCloud& cloud,
+                                    const Grid& grid, const EncodeOptions& used) {
   const glm::dvec3 extent = bounds(cloud).extent();
   const double length = std::max({extent.x, extent.y, extent.z});
   if (!(length > 0.0)) return std::nullopt;
@@ -79,12 +81,13 @@ std::optional<std::string> collapse_of(const EncodedFrame& encoded, const PointC
     if (!far_apart || voxels >= kFewestVoxels || distinct_points(cloud).size() == 1)
       return std::nullopt;
   }
-  return fmt::format(
-      "its {} points collapse into voxels of {:.3g}, because {}", cloud.size(),
-      std::ldexp(grid.cube.edge, -encoded.depth),
+  return Collapse{
+      fmt::format("its {} points collapse into voxels of {:.3g}", cloud.size(),
+                  std::ldexp(grid.cube.edge, -encoded.depth)),
       far_apart ? "the frames of its segment lie too far apart for one cube: give --cube frame"
-                : fmt::format("some lie too far away for an octree of {} levels: remove these",
-                              kMaxDepth));
+                : fmt::format("some lie too far away for an octree of {} levels, such as {}: "
+                              "remove these",
+                              kMaxDepth, farthest_text(cloud))};
 }
 
 }  // namespace pointreel

@@ -9,6 +9,11 @@
 
 namespace pointreel {
 
+struct Collapse {
+  std::string what;  ///< "its 400 points collapse into voxels of 0.477"
+  std::string why;   ///< "the frames ...: give --cube frame"
+};
+
 /// Why a frame that was encoded in this grid would be far coarser than was asked for: because its
 /// cube is too large for its points. That is so if the frame has fewer than half the voxels that a
 /// delta promises and the middle half of its points is less than 16 voxels long; or, with a fixed
@@ -16,7 +21,7 @@ namespace pointreel {
 /// voxels long. Nothing if the frame is as it should be, or if its depth was lowered on request.
 ///
 /// `cloud` is the source of `encoded`, `used` the options it was encoded with.
-std::optional<std::string> collapse_of(const EncodedFrame& encoded, const PointCloud& cloud,
-                                       const Grid& grid, const EncodeOptions& used);
+std::optional<Collapse> collapse_of(const EncodedFrame& encoded, const PointCloud& cloud,
+                                    const Grid& grid, const EncodeOptions& used);
 
 }  // namespace pointreel

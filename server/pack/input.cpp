@@ -1,22 +1,67 @@
 #include "server/pack/input.h"
 
+#include <algorithm>
 #include <atomic>
 #include <utility>
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include "codec/sequence/cloud_memory.h"
 #include "common/base/try.h"
+#include "common/cloud/keep_points.h"
+#include "server/pack/strays.h"
 
 namespace pointreel {
 namespace {
 
+/// Frames that may stand in for one, on each side.
+constexpr std::size_t kMostTried = 8;
 constexpr std::size_t kKeepBytes = std::size_t{512} << 20;
 
 }  // namespace
 
 Result<SourceFrame> SegmentInput::read(std::size_t frame) const {
-  SourceFrame source{TRY(read_cloud_frame(frames_[frame])), {}};
+  Result<SourceFrame> source = read_readable(frame);
+  if (source || !options_.best_effort) return source;
+  std::string why = source.error().message;
+  // The warning will begin with the name as well.
+  if (const std::string begin = name(frame) + ": "; why.starts_with(begin))
+    why.erase(0, begin.size());
+  std::vector<std::size_t> others;
+  for (std::size_t by = 1; by <= std::min(frame, kMostTried); ++by) others.push_back(frame - by);
+  for (std::size_t by = 1; by <= kMostTried && frame + by < size(); ++by)
+    others.push_back(frame + by);
+  SourceFrame instead;
+  std::string shown = "an empty frame";
+  for (const std::size_t other : others) {
+    Result<SourceFrame> readable = read_readable(other);
+    if (!readable) continue;
+    instead = std::move(*readable);
+    shown = frames_[other].name();
+    break;
+  }
+  instead.unreadable = true;
+  instead.warnings = {fmt::format("{}; {} is shown in its place", why, shown)};
+  return instead;
+}
+
+Result<SourceFrame> SegmentInput::read_readable(std::size_t frame) const {
+  SourceFrame source;
+  static_cast<LoadedCloud&>(source) = TRY(read_cloud_frame(frames_[frame]));
+  if (const std::vector<std::size_t> strays = find_strays(source.cloud); !strays.empty()) {
+    const std::string text = strays_text(source.cloud, strays, source.left_out == 0);
+    if (options_.best_effort) {
+      source.left_out += keep_points(source.cloud, [&](std::size_t i) {
+        return !std::binary_search(strays.begin(), strays.end(), i);
+      });
+      source.warnings.push_back(
+          fmt::format("{}, and {} left out", text, strays.size() == 1 ? "is" : "are"));
+    } else {
+      source.strays = fmt::format("{}: {}: remove such points, or let --best-effort leave them out",
+                                  name(frame), text);
+    }
+  }
   place(source.cloud, options_.placement);
   source.cleaning = clean_frame(source.cloud, options_);
   return source;
@@ -25,6 +70,7 @@ Result<SourceFrame> SegmentInput::read(std::size_t frame) const {
 Result<std::vector<FrameExtent>> SegmentInput::read_extents(const std::stop_token& stop) {
   std::vector<FrameExtent> frames(frames_.size());
   std::vector<std::optional<Error>> errors(frames_.size());
+  std::vector<std::string> strays(frames_.size());
   std::atomic<std::size_t> kept_bytes = 0;
   tbb::parallel_for(std::size_t{0}, frames_.size(), [&](std::size_t i) {
     if (stop.stop_requested()) return;
@@ -33,6 +79,7 @@ Result<std::vector<FrameExtent>> SegmentInput::read_extents(const std::stop_toke
       errors[i] = std::move(loaded.error());
       return;
     }
+    strays[i] = loaded->strays;
     frames[i] = extent_of(loaded->cloud, loaded->cleaning);
     const std::size_t bytes = memory_of(loaded->cloud);
     if (kept_bytes.fetch_add(bytes) + bytes <= kKeepBytes) {
@@ -42,6 +89,8 @@ Result<std::vector<FrameExtent>> SegmentInput::read_extents(const std::stop_toke
   for (const auto& error : errors) {
     if (error) return tl::unexpected(*error);
   }
+  const auto first = std::ranges::find_if(strays, [](const auto& text) { return !text.empty(); });
+  if (first != strays.end()) strays_ = std::move(*first);
   return frames;
 }
 
@@ -57,6 +106,8 @@ Result<void> SegmentInput::find_shared_grid(const std::stop_token& stop) {
   };
   const Result<Grid> grid = grid_for_frames(extents, options_, cloud_of);
   if (unread) return tl::unexpected(*unread);
+  if (!grid && !strays_.empty())
+    return fail(ErrorCode::limit, fmt::format("{} ({})", strays_, grid.error().message));
   if (!grid) return fail_at(frames_.front().name(), grid.error());
   shared_ = *grid;
   return {};

@@ -19,9 +19,13 @@ namespace pointreel {
 /// A frame as it is encoded: read, and cleaned if that was asked for.
 struct SourceFrame : LoadedCloud {
   CleanReport cleaning;
+  std::string strays;       ///< names the points that lie far from all others, and the file
+  bool unreadable = false;  ///< this is another frame, shown in its place
 };
 
-/// The source files of one segment. If the frames share a cube, the files are read once to find it,
+/// The source files of one segment. With PackOptions::best_effort, strays are left out, and a frame
+/// that cannot be read is replaced by the nearest one before, or else after it, or by an empty one.
+/// If the frames share a cube, the files are read once to find it,
 /// and once more to be encoded. Clouds are kept in memory from the first time to the second as long
 /// as they fit a budget, so that memory does not grow with the length of the segment.
 class SegmentInput {
@@ -39,6 +43,10 @@ class SegmentInput {
   const std::optional<Grid>& shared_grid() const { return shared_; }
   /// The grid to encode a frame in: the shared one, or its own.
   Result<Grid> grid_of(const SourceFrame& frame) const;
+  /// The strays that make the grid of a frame larger: in the shared grid, those of any frame.
+  const std::string& strays_of(const SourceFrame& frame) const {
+    return shared_ ? strays_ : frame.strays;
+  }
 
   using Cloud = std::shared_ptr<const SourceFrame>;
 
@@ -52,10 +60,12 @@ class SegmentInput {
  private:
   Result<std::vector<FrameExtent>> read_extents(const std::stop_token& stop);
   Result<SourceFrame> read(std::size_t frame) const;
+  Result<SourceFrame> read_readable(std::size_t frame) const;
 
   std::span<const CloudFrame> frames_;
   const PackOptions& options_;
   std::optional<Grid> shared_;
+  std::string strays_;  ///< SourceFrame::strays of the first frame that has some
   std::vector<Cloud> kept_;
 };
 

@@ -70,9 +70,14 @@ void PackArguments::add_to(cli::Command command) {
                .type_name("FILE");
   sequence_.sequence.clean = CleanOptions{.without_normals = false};
   sequence_.add_to(command, "folder", "the package then depends on the speed of this machine");
+  command.add_flag("--keep-gaps", options_.keep_gaps,
+                   "where frames are missing by the numbers in the names of files, show the frame "
+                   "before for their time, so that sound does not run ahead");
   command.add_flag("--best-effort", options_.best_effort,
-                   "warn instead of failing where frames lie too far apart for the cube that they "
-                   "share, or where even the coarsest encoding exceeds the bit rate");
+                   "warn instead of failing: leave out stray points and damaged parts of "
+                   "recordings, show the frame before in place of one that cannot be read, and "
+                   "pack what lies too far apart for the cube that it shares, or exceeds the bit "
+                   "rate at its coarsest");
   force_ = command.add_flag("--force", options_.force, "replace a package that is already there");
   sequence_.only_with_context(command.add_flag(
       "--train", options_.train,
@@ -89,7 +94,7 @@ Result<PackOptions> PackArguments::options() const {
   PackOptions options = options_;
   static_cast<EncodingOptions&>(options) = TRY(sequence_.options());
   options.up_of_files = sequence_.up_of_files();
-  options.times_of_files = sequence_.times_of_files();
+  options.times_of_files = sequence_.times_of_files() || options.keep_gaps;
   return options;
 }
 

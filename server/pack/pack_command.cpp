@@ -92,6 +92,7 @@ ordered_json to_json(const PackSummary& summary) {
   if (summary.recorded_fps) json["recorded_fps"] = *summary.recorded_fps;
   json["max_error"] = summary.max_error;
   json["late_frames"] = summary.late_frames;
+  json["missing"] = {{"frames", summary.unreadable_frames}, {"parts", summary.lost_parts}};
   json["segments"] = ordered_json::array();
   for (const SegmentSummary& segment : summary.segments) {
     json["segments"].push_back(to_json(segment));
@@ -147,6 +148,15 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
   if (summary.recorded_fps) {
     print("  time            as recorded, {} frames per second by the median (--fps: evenly)\n",
           number_text(*summary.recorded_fps, 4));
+  }
+  if (summary.unreadable_frames + summary.lost_parts > 0) {
+    print("  missing         {}{}\n",
+          summary.unreadable_frames == 0 ? ""
+                                         : fmt::format("{}, in whose place others are shown{}",
+                                                       counted(summary.unreadable_frames, "frame"),
+                                                       summary.lost_parts == 0 ? "" : "; "),
+          summary.lost_parts == 0 ? ""
+                                  : counted(summary.lost_parts, "damaged part") + " of recordings");
   }
   if (options.frame_time_ms) {
     print("  late            {} took longer than {} ms\n", counted(summary.late_frames, "frame"),

@@ -14,9 +14,9 @@
 namespace pointreel {
 namespace {
 
-/// Encodes `cloud` into `frame`.
-Result<void> encode(PackedFrame& frame, const PointCloud& cloud, const Grid& grid,
-                    const PackOptions& options, FrameLimits& limits) {
+/// Encodes `cloud` into `frame`. Returns the options that were used.
+Result<EncodeOptions> encode(PackedFrame& frame, const PointCloud& cloud, const Grid& grid,
+                             const PackOptions& options, FrameLimits& limits) {
   const EncodeOptions encode_options = limits.of_frame(grid.encode);
   const auto start = std::chrono::steady_clock::now();
   frame.encoded = TRY(encode_frame(cloud, grid.cube, encode_options));
@@ -24,19 +24,28 @@ Result<void> encode(PackedFrame& frame, const PointCloud& cloud, const Grid& gri
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   limits.told(frame.encoded.depth, frame.encode_ms);
   frame.max_error = geometry_error(cloud, grid.cube, frame.encoded.depth);
-  if (!options.voxel) {
-    if (auto collapse = collapse_of(frame.encoded, cloud, grid, encode_options)) {
-      if (!options.best_effort) {
-        return fail(ErrorCode::limit, *collapse + ", or --best-effort to pack them nevertheless");
-      }
-      frame.warnings.push_back(std::move(*collapse));
-    }
-  }
   // The parts of an octree are only counted; those of Draco take more encodes.
   if (encode_options.id() == Codec::octree || options.measure_parts) {
     frame.parts = TRY(measure_part_sizes(frame.encoded, cloud, grid.cube, encode_options));
   }
-  return {};
+  return encode_options;
+}
+
+/// A frame that collapses is an error, or a warning. `strays`: of the frames that share its grid.
+Result<void> check_collapse(PackedFrame& frame, const std::string& file, const PointCloud& cloud,
+                            const Grid& grid, const std::string& strays, const EncodeOptions& used,
+                            bool best_effort) {
+  const std::optional<Collapse> collapse = collapse_of(frame.encoded, cloud, grid, used);
+  if (!collapse) return {};
+  if (best_effort) {
+    frame.warnings.push_back(fmt::format("{}, because {}", collapse->what, collapse->why));
+    return {};
+  }
+  if (!strays.empty())
+    return fail(ErrorCode::limit, fmt::format("{} ({}: {})", strays, file, collapse->what));
+  return fail(ErrorCode::limit,
+              fmt::format("{}: {}, because {}, or --best-effort to pack them nevertheless", file,
+                          collapse->what, collapse->why));
 }
 
 }  // namespace
@@ -55,10 +64,14 @@ Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const Pac
   frame.cleaning = loaded->cleaning;
   frame.unread = loaded->unread;
   frame.warnings = loaded->warnings;
+  frame.unreadable = loaded->unreadable;
   const Result<Grid> grid = input.grid_of(*loaded);
   if (!grid) return fail_at(file, grid.error());
-  if (const auto encoded = encode(frame, cloud, *grid, options, limits); !encoded) {
-    return fail_at(file, encoded.error());
+  const auto used = encode(frame, cloud, *grid, options, limits);
+  if (!used) return fail_at(file, used.error());
+  if (!options.voxel) {
+    TRY(check_collapse(frame, file, cloud, *grid, input.strays_of(*loaded), *used,
+                       options.best_effort));
   }
   if (frame.encoded.has_scalars) frame.scalars = ranges_of(cloud);
   for (std::string& warning : frame.warnings) warning = fmt::format("{}: {}", file, warning);

@@ -28,6 +28,7 @@ struct PackedFrame {
   bool colors = false, normals = false;  ///< were encoded
   std::vector<ScalarRange> scalars;      ///< that were encoded
   bool had_radii = false, had_scalars = false;
+  bool unreadable = false;  ///< SourceFrame::unreadable
   CleanReport cleaning;
   std::vector<std::string> unread;  ///< as LoadedCloud::unread
   std::vector<std::string> warnings;

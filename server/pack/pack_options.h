@@ -33,8 +33,12 @@ struct PackOptions : EncodingOptions {
   bool cube_per_frame = false;
   std::optional<std::filesystem::path> audio;  ///< a file whose sound the package gets
   std::uint32_t segment_frames = 30;           ///< frames of a segment, at least 1
+  /// Show the frame before for as long as frames are missing by the numbers in their names.
+  bool keep_gaps = false;
   /// Pack frames that collapse because of their cube (collapse.h), and segments that exceed the bit
-  /// rate at their coarsest, with a warning. Otherwise both are errors.
+  /// rate at their coarsest; leave out strays (strays.h) and damaged parts of recordings; show
+  /// another frame in place of one that cannot be read: all with a warning. Otherwise these are
+  /// errors.
   bool best_effort = false;
   bool force = false;  ///< replace a package that is already there
 };

@@ -46,6 +46,7 @@ class Writer {
     segment_.had_scalars |= frame.had_scalars;
     segment_.scalar_bytes += encoded.scalar_bytes();
     segment_.unread.insert(frame.unread.begin(), frame.unread.end());
+    segment_.unreadable_frames += frame.unreadable ? 1 : 0;
     segment_.points += encoded.source_points + frame.cleaning.removed;
     if (frame.cleaning.cleaned) {
       const CleanReport& of = frame.cleaning;

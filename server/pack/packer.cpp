@@ -46,8 +46,9 @@ class Packer {
     options_.encode.executor = tbb_executor();
     manifest_ = begin_manifest(options_, sequence_);
     output_ = {folder, manifest_.layer_names, listener.frame_done, listener.stop, {}};
+    summary_.lost_parts = sequence_.lost_parts;
     if (has_times_of_files(options_, sequence_)) {
-      summary_.recorded_fps = options_.fps;
+      if (!options_.keep_gaps) summary_.recorded_fps = options_.fps;
       output_.time_us = [this](std::size_t i) { return sequence_.times_us[i]; };
     }
   }
@@ -90,6 +91,7 @@ class Packer {
     const SegmentSummary& added = segment.summary;
     summary_.frames += added.frames;
     summary_.points += segment.points;
+    summary_.unreadable_frames += segment.unreadable_frames;
     add_cleaning(summary_.cleaning, segment.cleaning);
     summary_.coded_points += segment.coded_points;
     summary_.segment_bytes += added.bytes;
@@ -133,7 +135,9 @@ class Packer {
 Result<PackSummary> pack(const PackOptions& options, const PackListener& listener) {
   const Clock::time_point start = Clock::now();
   return in_arena(options.threads, [&]() -> Result<PackSummary> {
-    CloudSequence sequence = TRY(list_cloud_frames(options.inputs, options.topic));
+    CloudSequence sequence = TRY(
+        list_cloud_frames(options.inputs, options.topic, ~std::uint64_t{0}, options.best_effort));
+    if (options.keep_gaps) sequence.keep_gaps(options.fps);
     OutputFolder folder = TRY(OutputFolder::create(
         options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));
     Packer packer(options, listener, std::move(sequence), folder.path());

@@ -57,9 +57,11 @@ struct PackSummary {
   Spread encode_ms;  ///< of a frame, from the cloud in memory to the encoded bytes
   std::uint32_t depth_min = 0, depth_max = 0;
   std::string codec, entropy;
-  double max_error = 0.0;              ///< of all segments, in the source's units
-  std::optional<double> recorded_fps;  ///< by the median spacing of the times of a recording
-  std::uint64_t late_frames = 0;       ///< frames that took longer than frame_time_ms
+  double max_error = 0.0;               ///< of all segments, in the source's units
+  std::optional<double> recorded_fps;   ///< by the median spacing of the times of a recording
+  std::uint64_t late_frames = 0;        ///< frames that took longer than frame_time_ms
+  std::uint32_t unreadable_frames = 0;  ///< in whose place others are shown
+  std::size_t lost_parts = 0;           ///< of recordings
   std::vector<SegmentSummary> segments;
   double seconds = 0.0;
   std::vector<std::string> warnings;

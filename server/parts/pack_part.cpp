@@ -152,7 +152,10 @@ class PartPacker {
   Result<std::shared_ptr<const Recording>> recording_of(const PlannedFrame& planned) {
     if (recording_ == nullptr || planned.path != recording_path_) {
       TRY(check_unchanged(planned));
-      recording_ = TRY(list_cloud_frames({planned.path}, options_.topic)).frames.front().recording;
+      recording_ = TRY(list_cloud_frames({planned.path}, options_.topic, ~std::uint64_t{0},
+                                         options_.best_effort))
+                       .frames.front()
+                       .recording;
       recording_path_ = planned.path;
     }
     if (recording_ == nullptr || *planned.index >= recording_->size())

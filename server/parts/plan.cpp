@@ -188,7 +188,9 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
   }
   PackOptions options = asked;
   if (options.name.empty()) options.name = default_reel_name(options.output);
-  CloudSequence sequence = TRY(list_cloud_frames(options.inputs, options.topic));
+  CloudSequence sequence =
+      TRY(list_cloud_frames(options.inputs, options.topic, ~std::uint64_t{0}, options.best_effort));
+  if (options.keep_gaps) sequence.keep_gaps(options.fps);
   const std::vector<CloudFrame>& frames = sequence.frames;
   PackPlan plan;
   plan.arguments = std::move(arguments);

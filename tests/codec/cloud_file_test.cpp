@@ -1,5 +1,8 @@
 #include "codec/cloud_file.h"
 
+#include <cmath>
+#include <limits>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -70,9 +73,93 @@ TEST_F(CloudFile, repairs_are_described_in_words) {
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_EQ(loaded->cloud.size(), 2u);
   EXPECT_EQ(loaded->cloud.normals[1], glm::vec3(0, 0, 1));
-  EXPECT_THAT(loaded->warnings,
-              ElementsAre("dropped 2 points without a finite position",
-                          "1 point has no usable normal", "replaced 1 unusable radius value"));
+  EXPECT_THAT(loaded->warnings, ElementsAre("dropped 2 points without a finite position",
+                                            "1 point has no usable normal: it is estimated",
+                                            "replaced 1 unusable radius value"));
+}
+
+/// A sphere with its normals, whose first ones are replaced.
+PointCloud sphere_with(std::size_t unusable, const glm::vec3& normal) {
+  constexpr std::size_t kCount = 2000;
+  PointCloud cloud;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / kCount;
+    const double angle = 2.399963 * static_cast<double>(i), r = std::sqrt(1.0 - z * z);
+    cloud.positions.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
+    cloud.normals.push_back(i < unusable ? normal : cloud.positions.back());
+  }
+  return cloud;
+}
+
+TEST_F(CloudFile, normals_that_say_nothing_are_estimated) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const glm::vec3& normal : {glm::vec3(0.0f), glm::vec3(nan, 0, 1)}) {
+    const PointCloud source = sphere_with(700, normal);
+    const LoadedCloud loaded = usable_cloud(source, CloudFormat::ply);
+    ASSERT_EQ(loaded.cloud.normals.size(), source.size());
+    for (std::size_t i = 0; i < source.size(); ++i) {
+      EXPECT_GT(glm::dot(loaded.cloud.normals[i], source.positions[i]), i < 700 ? 0.95f : 0.99999f);
+    }
+    EXPECT_THAT(loaded.warnings, ElementsAre("700 points have no usable normal: it is estimated"));
+  }
+  const LoadedCloud none = usable_cloud(sphere_with(2000, glm::vec3(0.0f)), CloudFormat::ply);
+  EXPECT_FALSE(none.cloud.has_normals());
+  EXPECT_THAT(none.warnings, ElementsAre(HasSubstr("normals are taken to be missing")));
+  const LoadedCloud all = usable_cloud(sphere_with(0, glm::vec3(0.0f)), CloudFormat::ply);
+  EXPECT_THAT(all.warnings, testing::IsEmpty());
+}
+
+TEST_F(CloudFile, numbers_that_are_the_same_everywhere_and_say_nothing_are_no_scalar_fields) {
+  PointCloud source;
+  source.positions = {{0, 0, 0}, {1, 1, 1}};
+  source.scalars = {{"alpha", {255, 255}},         {"Intensity", {0, 0}},
+                    {"scalar_Intensity", {1, 2}},  {"return number", {1, 1}},
+                    {"Number_Of_Returns", {1, 1}}, {"label", {3, 3}}};
+  const LoadedCloud loaded = usable_cloud(source, CloudFormat::ply);
+  ASSERT_EQ(loaded.cloud.scalars.size(), 2u);
+  EXPECT_EQ(loaded.cloud.scalars[0].name, "scalar_Intensity");
+  EXPECT_EQ(loaded.cloud.scalars[1].name, "label");
+  EXPECT_THAT(loaded.unread,
+              ElementsAre("alpha (the same at all points)", "Intensity (the same at all points)",
+                          "return number (the same at all points)",
+                          "Number_Of_Returns (the same at all points)"));
+}
+
+TEST_F(CloudFile, points_at_zero_far_from_all_others_are_left_out) {
+  PointCloud source = sphere_with(0, glm::vec3(0.0f));
+  for (const glm::dvec3& origin : {glm::dvec3(500000.3, 5400000.7, 30), glm::dvec3(0, -40, 0)}) {
+    PointCloud cloud = source;
+    cloud.origin = origin;
+    for (const std::size_t i : {7, 9, 1000}) cloud.positions[i] = glm::vec3(-origin);
+    const LoadedCloud loaded = usable_cloud(cloud, CloudFormat::ply);
+    EXPECT_EQ(loaded.cloud.size(), 1997u);
+    EXPECT_EQ(loaded.cloud.normals.size(), 1997u);
+    EXPECT_EQ(loaded.left_out, 3u);
+    EXPECT_THAT(
+        loaded.warnings,
+        ElementsAre("left out 3 points at 0 0 0, far from all others; the first is point 7"));
+  }
+  source.positions[7] = glm::vec3(0.0f);  // within the others
+  EXPECT_EQ(usable_cloud(source, CloudFormat::ply).cloud.size(), 2000u);
+  source.origin = {0, -20, 0};
+  source.positions[7] = {0, 20, 0};  // not far enough
+  EXPECT_EQ(usable_cloud(source, CloudFormat::ply).cloud.size(), 2000u);
+}
+
+TEST_F(CloudFile, missing_numbers_of_frames_are_named_and_their_time_can_be_kept) {
+  for (const char* name : {"f1.ply", "f2.ply", "F3.ply", "f6.ply", "f7.ply", "f9.ply"})
+    write(name, kPly);
+  auto sequence = list_cloud_frames({folder_.path()});
+  ASSERT_TRUE(sequence) << sequence.error().message;
+  EXPECT_THAT(sequence->warnings,
+              ElementsAre(HasSubstr("3 frames are missing by their numbers: 4 to 5, 8")));
+  EXPECT_THAT(sequence->times_us, testing::IsEmpty());
+  sequence->keep_gaps(10.0);
+  EXPECT_THAT(sequence->times_us, ElementsAre(0, 100'000, 200'000, 500'000, 600'000, 800'000));
+  EXPECT_EQ(sequence->end_us(), 900'000u);
+  fs::remove(folder_ / "f9.ply");
+  for (const char* name : {"f4.ply", "f5.ply"}) write(name, kPly);
+  EXPECT_THAT(list_cloud_frames({folder_.path()})->warnings, testing::IsEmpty());
 }
 
 TEST_F(CloudFile, errors_begin_with_the_path_and_take_one_line) {

@@ -15,9 +15,11 @@ using testing::HasSubstr;
 
 Result<PointCloud> read(const std::string& bytes, std::vector<std::string>* unread = nullptr,
                         const DecodeLimits& limits = {}) {
-  std::vector<std::string> ignored;
+  ReadNotes notes;
   const ByteView view(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
-  return read_gltf(ByteSource(view), limits, unread == nullptr ? ignored : *unread);
+  const Result<PointCloud> cloud = read_gltf(ByteSource(view), limits, notes);
+  if (unread != nullptr) *unread = notes.unread;
+  return cloud;
 }
 
 std::string error_of(const std::string& bytes) {
@@ -109,6 +111,76 @@ TEST(Gltf, sparse_accessors_change_single_vertices) {
   ASSERT_TRUE(cloud) << cloud.error().message;
   EXPECT_EQ(cloud->world(0), glm::dvec3(10, 0, 2));
   EXPECT_EQ(cloud->world(1), glm::dvec3(18, 10, 12));
+}
+
+/// Two primitives: the vertices of kJson with colours, and one without, of the given material.
+std::string floor_of(const std::string& material) {
+  std::string json = kJson;
+  json.replace(json.find(R"("COLOR_0":2}}])"), 14,
+               R"("COLOR_0":2}},{"mode":0,"attributes":{"POSITION":1},"material":0}])");
+  json.replace(json.find(R"("textures":[{}])"), 15, R"("materials":[)" + material + "]");
+  return glb(json);
+}
+
+TEST(Gltf, primitives_without_colors_have_the_base_color_of_their_material) {
+  const auto color = [](const std::string& material) {
+    const Result<PointCloud> cloud = read(floor_of(material));
+    EXPECT_TRUE(cloud && cloud->colors.size() == 4 &&
+                cloud->colors[0] == glm::u16vec3(65535, 0, 0));
+    return cloud ? cloud->colors.back() : glm::u16vec3(0);
+  };
+  EXPECT_EQ(color("{}"), glm::u16vec3(65535));
+  const glm::u16vec3 red =
+      color(R"({"pbrMetallicRoughness":{"baseColorFactor":[1,0,0.2140411,1]}})");
+  EXPECT_EQ(glm::u16vec2(red), glm::u16vec2(65535, 0));
+  EXPECT_NEAR(red.z, 0.5 * 65535, 40);
+}
+
+TEST(Gltf, base_colors_tint_the_colors_of_vertices_and_are_colors_themselves) {
+  std::string json = kJson;
+  json.replace(json.find(R"("mode":0)"), 8, R"("mode":0,"material":0)");
+  json.replace(json.find(R"("textures":[{}])"), 15,
+               R"("materials":[{"pbrMetallicRoughness":{"baseColorFactor":[0,1,1,1]}}])");
+  const Result<PointCloud> tinted = read(glb(json));
+  ASSERT_TRUE(tinted) << tinted.error().message;
+  EXPECT_EQ(tinted->colors[0], glm::u16vec3(0));
+  json.replace(json.find(R"(,"COLOR_0":2)"), 12, "");
+  const Result<PointCloud> plain = read(glb(json));
+  ASSERT_TRUE(plain) << plain.error().message;
+  EXPECT_THAT(plain->colors,
+              ElementsAre(glm::u16vec3(0, 65535, 65535), glm::u16vec3(0, 65535, 65535)));
+  json.replace(json.find("[0,1,1,1]"), 9, "[1,1,1,1]");
+  EXPECT_FALSE(read(glb(json)).value().has_colors());
+}
+
+TEST(Gltf, chunks_may_lack_padding) {
+  std::string json = kJson;
+  while (json.size() % 4 != 1) json += ' ';
+  std::string out = "glTF";
+  put(out, std::uint32_t{2});
+  put(out, std::uint32_t{0});
+  put(out, static_cast<std::uint32_t>(json.size()));
+  out += "JSON" + json;
+  put(out, static_cast<std::uint32_t>(data().size() + 3));  // as if it were padded
+  out += std::string("BIN\0", 4) + data();
+  const Result<PointCloud> cloud = read(out);
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->world(1), glm::dvec3(18, 10, 12));
+}
+
+TEST(Gltf, extensions_that_matter_are_refused_where_they_are_needed_and_told_where_not) {
+  const auto with = [](const std::string& extensions) {
+    return changed(R"("textures":[{}])", extensions);
+  };
+  EXPECT_THAT(error_of(with(R"("extensionsRequired":["EXT_mesh_gpu_instancing"])")),
+              HasSubstr("needs the extension EXT_mesh_gpu_instancing"));
+  EXPECT_THAT(error_of(with(R"("extensionsRequired":[7])")), HasSubstr("no text"));
+  std::vector<std::string> unread;
+  const std::string harmless =
+      R"("extensionsRequired":["KHR_mesh_quantization","KHR_materials_unlit"],)"
+      R"("extensionsUsed":["KHR_materials_unlit","EXT_mesh_gpu_instancing"])";
+  ASSERT_TRUE(read(with(harmless), &unread));
+  EXPECT_THAT(unread, ElementsAre("EXT_mesh_gpu_instancing"));
 }
 
 TEST(Gltf, each_lie_is_an_error_that_names_the_part) {

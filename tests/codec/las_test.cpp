@@ -61,8 +61,10 @@ Bytes las(std::uint8_t minor, std::uint8_t format, std::size_t extra = 0,
 }
 
 Result<PointCloud> read(const Bytes& bytes, std::vector<std::string>* unread = nullptr) {
-  std::vector<std::string> ignored;
-  return read_las(ByteSource(ByteView(bytes)), unread == nullptr ? ignored : *unread);
+  ReadNotes notes;
+  const Result<PointCloud> cloud = read_las(ByteSource(ByteView(bytes)), notes);
+  if (unread != nullptr) *unread = notes.unread;
+  return cloud;
 }
 
 std::string error_of(const Bytes& bytes) {
@@ -99,6 +101,39 @@ TEST(Las, all_versions_and_point_formats_are_read) {
       }
     }
   }
+}
+
+/// How many points are read of a file whose header says `count`, and the warning.
+std::pair<std::size_t, std::string> with_count(Bytes bytes, std::uint32_t count) {
+  set(bytes, 107, count);
+  ReadNotes notes;
+  const Result<PointCloud> cloud = read_las(ByteSource(ByteView(bytes)), notes);
+  if (!cloud) return {0, cloud.error().message};
+  return {cloud->size(), notes.warnings.empty() ? "" : notes.warnings[0]};
+}
+
+TEST(Las, points_that_the_header_does_not_count_are_read_with_a_warning) {
+  using testing::Pair;
+  EXPECT_THAT(with_count(las(2, 2), 3), Pair(3u, ""));
+  EXPECT_THAT(with_count(las(2, 2), 0),
+              Pair(3u, "the header says 0 points, but there are 3: all are read"));
+  EXPECT_THAT(with_count(las(2, 2), 1),
+              Pair(3u, "the header says 1 points, but there are 3: all are read"));
+  Bytes other = las(2, 2);
+  other.push_back(0);
+  EXPECT_THAT(with_count(other, 1), Pair(1u, HasSubstr("53 bytes behind them that are not read")));
+  EXPECT_THAT(with_count(other, 3), Pair(3u, ""));
+  EXPECT_THAT(with_count(las(2, 2), 4), Pair(0u, HasSubstr("the data end within point 3 of 4")));
+}
+
+TEST(Las, records_after_the_points_are_no_points) {
+  Bytes bytes = las(4, 6);
+  set(bytes, 235, static_cast<std::uint64_t>(bytes.size()));
+  set(bytes, 243, std::uint32_t{1});
+  bytes.resize(bytes.size() + 60);
+  ReadNotes notes;
+  EXPECT_EQ(read_las(ByteSource(ByteView(bytes)), notes).value().size(), 3u);
+  EXPECT_TRUE(notes.warnings.empty());
 }
 
 TEST(Las, colors_that_were_stored_as_bytes_are_taken_as_bytes) {

@@ -12,7 +12,18 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 Result<PointCloud> read(const std::string& text) {
-  return read_obj(ByteSource({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}));
+  ReadNotes notes;
+  return read_obj(ByteSource({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}),
+                  notes);
+}
+
+/// Of a file whose vertices are read nevertheless.
+std::string warning_of(const std::string& text) {
+  ReadNotes notes;
+  const Result<PointCloud> cloud = read_obj(
+      ByteSource({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}), notes);
+  EXPECT_TRUE(cloud && cloud->size() == 1);
+  return notes.warnings.size() == 1 ? notes.warnings[0] : "no warning";
 }
 
 std::string error_of(const std::string& text) {
@@ -52,10 +63,15 @@ TEST(Obj, errors_say_in_which_line) {
   EXPECT_THAT(error_of("\nv 1 x 3\n"), HasSubstr("line 2: 'x'"));
   EXPECT_THAT(error_of("v 1 2 3 4 5 6 7 8\n"), HasSubstr("more than 7"));
   EXPECT_THAT(error_of("vn 1 2\n"), HasSubstr("line 1: ''"));
-  EXPECT_THAT(error_of("v 1 2 3\nvn 0 0 1\nf 2//1 1//1 1//1\n"), HasSubstr("the vertex '2'"));
-  EXPECT_THAT(error_of("v 1 2 3\nvn 0 0 1\nf 1//-2\n"), HasSubstr("the normal '-2'"));
-  EXPECT_THAT(error_of("v 1 2 3\nvn 0 0 1\nf 0//1\n"), HasSubstr("the vertex '0'"));
-  EXPECT_THAT(error_of("v 1 2 3\nvn 0 0 1\nf 99999999999999999999//1\n"), HasSubstr("refers"));
+}
+
+TEST(Obj, wrong_faces_cost_a_warning_and_no_vertices) {
+  EXPECT_THAT(warning_of("v 1 2 3\nvn 0 0 1\nf 2//1 1//1 1//1\n"), HasSubstr("the vertex '2'"));
+  EXPECT_THAT(warning_of("v 1 2 3\nvn 0 0 1\nf 1//-2\n"), HasSubstr("the normal '-2'"));
+  EXPECT_THAT(warning_of("v 1 2 3\nvn 0 0 1\nf 0//1\n"), HasSubstr("the vertex '0'"));
+  EXPECT_THAT(warning_of("v 1 2 3\nf 1//1\nf 1//1\n"),
+              HasSubstr("line 2: a face refers to the normal '1', but there are 0 so far; 2 such"));
+  EXPECT_THAT(warning_of("v 1 2 3\nvn 0 0 1\nf 99999999999999999999//1\n"), HasSubstr("refers"));
 }
 
 }  // namespace

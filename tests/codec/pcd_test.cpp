@@ -21,8 +21,10 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 Result<PointCloud> read(const std::string& text, std::vector<std::string>* unread = nullptr) {
-  std::vector<std::string> ignored;
-  return read_pcd(ByteSource(view(text)), unread == nullptr ? ignored : *unread);
+  ReadNotes notes;
+  const Result<PointCloud> cloud = read_pcd(ByteSource(view(text)), notes);
+  if (unread != nullptr) *unread = notes.unread;
+  return cloud;
 }
 
 std::string error_of(const std::string& text) {
@@ -97,6 +99,18 @@ void expect_two_points(const std::string& text) {
   EXPECT_THAT(cloud->normals, ElementsAre(glm::vec3(0, 0, 1), glm::vec3(0, 1, 0)));
   EXPECT_THAT(cloud->scalars, ElementsAre(ScalarField{"curvature", {0.5f, 0.25f}}));
   EXPECT_THAT(unread, IsEmpty());
+}
+
+TEST(Pcd, unknown_lines_cost_a_warning_and_case_does_not_matter) {
+  std::string text = ascii();
+  text.insert(text.find("VIEWPOINT"), "METADATA {\"sensor\":1}\n");
+  text.replace(text.find("FIELDS x"), 8, "Fields X");
+  text.replace(text.find("DATA ascii"), 10, "data ASCII");
+  ReadNotes notes;
+  const Result<PointCloud> cloud = read_pcd(ByteSource(view(text)), notes);
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->world(1), glm::dvec3(4, 5, 6));
+  EXPECT_THAT(notes.warnings, ElementsAre("line 9: is skipped: unknown keyword 'METADATA'"));
 }
 
 TEST(Pcd, ascii_binary_and_compressed_files_give_the_same_points) {
@@ -188,7 +202,7 @@ TEST(Pcd, each_lie_of_the_header_is_an_error_that_says_where) {
   EXPECT_THAT(error_of(changed(ascii(), "COUNT 1", "COUNT 99999999")), HasSubstr("2^20"));
   EXPECT_THAT(error_of(changed(ascii(), "FIELDS x", "FIELDS w")), HasSubstr("no field x"));
   EXPECT_THAT(error_of(changed(ascii(), "DATA ascii", "DATA morse")), HasSubstr("'morse'"));
-  EXPECT_THAT(error_of(changed(ascii(), "DATA ascii\n", "")), HasSubstr("unknown keyword '1'"));
+  EXPECT_THAT(error_of(changed(ascii(), "DATA ascii\n", "")), HasSubstr("no line DATA"));
   EXPECT_THAT(error_of(changed(ascii(), "4 5 6", "4 five 6")),
               HasSubstr("line 13: y of point 1 is 'five'"));
   EXPECT_THAT(error_of(changed(ascii(), " 0.25\n", "\n")),

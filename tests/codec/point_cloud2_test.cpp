@@ -16,8 +16,10 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 Result<PointCloud> read(const Bytes& bytes, std::vector<std::string>* unread = nullptr) {
-  std::vector<std::string> ignored;
-  return read_point_cloud2(ByteSource(ByteView(bytes)), unread == nullptr ? ignored : *unread);
+  ReadNotes notes;
+  const Result<PointCloud> cloud = read_point_cloud2(ByteSource(ByteView(bytes)), notes);
+  if (unread != nullptr) *unread = notes.unread;
+  return cloud;
 }
 
 std::string error_of(const CloudMessage& message) {
@@ -51,6 +53,27 @@ TEST(PointCloud2, rows_may_be_padded) {
   const Result<PointCloud> cloud = read(message.cdr());
   ASSERT_TRUE(cloud) << cloud.error().message;
   EXPECT_EQ(cloud->world(1), glm::dvec3(4, 5, 6));
+}
+
+TEST(PointCloud2, rows_follow_each_other_where_row_step_is_0) {
+  CloudMessage message = two_points();
+  message.width = 1;
+  message.height = 2;
+  message.row_step = 0;
+  const Result<PointCloud> cloud = read(message.cdr());
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->world(1), glm::dvec3(4, 5, 6));
+}
+
+TEST(PointCloud2, a_count_of_0_stands_for_1) {
+  CloudMessage message = two_points();
+  for (auto& field : message.fields) field.count = field.count == 1 ? 0 : field.count;
+  std::vector<std::string> unread;
+  const Result<PointCloud> cloud = read(message.cdr(), &unread);
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->world(1), glm::dvec3(4, 5, 6));
+  EXPECT_THAT(cloud->scalars, ElementsAre(ScalarField{"intensity", {77, 77}}));
+  EXPECT_THAT(unread, ElementsAre("histogram"));
 }
 
 TEST(PointCloud2, fields_without_a_name_are_told_as_such) {

@@ -28,6 +28,13 @@ TEST(NaturalOrder, breaks_ties_of_equal_numbers_byte_by_byte) {
   EXPECT_TRUE(natural_less("frame1a", "frame01b"));  // the following characters decide first
 }
 
+TEST(NaturalOrder, does_not_regard_the_case_of_letters_unless_all_else_is_equal) {
+  EXPECT_TRUE(natural_less("frame_000.ply", "Frame_001.PLY"));
+  EXPECT_TRUE(natural_less("Frame_001.PLY", "frame_002.ply"));
+  EXPECT_TRUE(natural_less("A1", "a1"));
+  EXPECT_FALSE(natural_less("a1", "A1"));
+}
+
 TEST(NaturalOrder, treats_bytes_above_127_as_larger_than_ascii) {
   EXPECT_TRUE(natural_less("z", "\xc3\xa9"));
   EXPECT_FALSE(natural_less("\xc3\xa9", "z"));
@@ -39,7 +46,7 @@ TEST(NaturalOrder, is_a_strict_total_order) {
   for (std::size_t begin = 0, length = 1; length <= 4; ++length) {
     const std::size_t end = names.size();
     for (; begin < end; ++begin) {
-      for (const char c : {'/', '0', '1', '9', 'a'}) names.push_back(names[begin] + c);
+      for (const char c : {'/', '0', '1', 'A', 'a'}) names.push_back(names[begin] + c);
     }
   }
   std::sort(names.begin(), names.end(), natural_less);

@@ -1,4 +1,6 @@
 #include <filesystem>
+#include <initializer_list>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -17,9 +19,11 @@ namespace pointreel::pack_grid_test {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::StartsWith;
 
 /// In which grid frames are packed, and what happens if none suits them.
@@ -158,12 +162,88 @@ TEST_F(PackGrid, takes_vertices_that_are_repeated_with_other_roundings) {
   }
 }
 
+/// With points at these distances on the x axis besides.
+PointCloud with_far_points(PointCloud cloud, std::initializer_list<float> distances) {
+  for (const float distance : distances) {
+    cloud.positions.emplace_back(distance, 0.0f, 0.0f);
+    cloud.normals.emplace_back(0.0f, 0.0f, 1.0f);
+    cloud.colors.emplace_back(0);
+  }
+  return cloud;
+}
+
 TEST_F(PackGrid, refuses_a_frame_that_far_points_make_too_large) {
-  PointCloud cloud = ellipsoid(2000);
-  for (const float far : {-1.0f, 1.0f}) cloud.positions.emplace_back(1e7f * far, 0.0f, 0.0f);
-  write(0, cloud);
   use(octree(DepthRule{}));
-  EXPECT_THAT(error(), HasSubstr("some lie too far away for an octree of 21 levels"));
+  write(0, with_far_points(ellipsoid(2000), {-1e7f, 1e7f}));
+  EXPECT_THAT(error(), StartsWith((in() / "0.ply").string() +
+                                  ": 2 points lie far from all others, such as point 2000 at "
+                                  "-1e+07 0 0: remove such points, or let --best-effort"));
+  // No point is far from all others.
+  write(0, with_far_points(ellipsoid(2000), {50.0f, 2.5e3f, 1.2e5f, 6e6f, 3e8f}));
+  EXPECT_THAT(error(), HasSubstr("some lie too far away for an octree of 21 levels, such as the "
+                                 "point at 3e+08 0 0"));
+}
+
+TEST_F(PackGrid, names_the_frame_that_has_a_stray_and_leaves_it_out_if_told_to_do_its_best) {
+  for (int i = 0; i < 6; ++i)
+    write(i, i == 3 ? with_far_points(ellipsoid(2000), {1e7f}) : ellipsoid(2000));
+  use(octree(DepthRule{}));
+  const std::string stray = (in() / "3.ply").string() + ": point 2000 at 1e+07 0 0 lies far";
+  for (const std::optional<double> voxel : {std::optional<double>(), std::optional(0.001)}) {
+    options_.voxel = voxel;
+    EXPECT_THAT(error(), StartsWith(stray));
+    EXPECT_THAT(error(), Not(HasSubstr("--cube frame")));
+  }
+  options_.voxel.reset();
+  options_.best_effort = true;
+  for (const bool cube_per_frame : {false, true}) {
+    options_.cube_per_frame = cube_per_frame;
+    const PackSummary summary = packed();
+    EXPECT_THAT(summary.warnings, ElementsAre(StartsWith(stray)));
+    EXPECT_EQ(summary.points, 12'000u);
+    EXPECT_LT(summary.max_error, 0.1);
+    EXPECT_GT(decoded(3).size(), 1500u);
+  }
+}
+
+TEST_F(PackGrid, shows_the_frame_before_one_that_cannot_be_read_if_told_to_do_its_best) {
+  for (int i = 0; i < 4; ++i) write(i, ellipsoid(100 + static_cast<std::size_t>(i)));
+  for (const int i : {0, 2}) fs::resize_file(in() / fmt::format("{}.ply", i), 500);
+  EXPECT_THAT(error(), StartsWith((in() / "0.ply").string() + ": byte 500: the data end"));
+  options_.best_effort = true;
+  for (const bool cube_per_frame : {false, true}) {
+    options_.cube_per_frame = cube_per_frame;
+    const PackSummary summary = packed();
+    EXPECT_EQ(summary.frames, 4u);
+    EXPECT_EQ(summary.unreadable_frames, 2u);
+    EXPECT_THAT(summary.warnings,
+                ElementsAre(AllOf(StartsWith((in() / "0.ply").string() + ": byte 500: the data"),
+                                  HasSubstr("1.ply is shown in its place")),
+                            AllOf(StartsWith((in() / "2.ply").string() + ": byte 500: the data"),
+                                  HasSubstr("1.ply is shown in its place"))));
+    EXPECT_EQ(summary.points, 101u * 3 + 103);
+  }
+}
+
+TEST_F(PackGrid, an_empty_frame_stands_where_none_can_be_read) {
+  write(0, ellipsoid(100));
+  fs::resize_file(in() / "0.ply", 500);
+  options_.best_effort = true;
+  EXPECT_THAT(packed().warnings, ElementsAre(HasSubstr("an empty frame is shown in its place")));
+  EXPECT_EQ(read_manifest(options_.output)->frame_count(), 1u);
+}
+
+TEST_F(PackGrid, frames_keep_their_time_where_others_are_missing_if_asked_to) {
+  for (const int i : {1, 2, 3, 7}) write(i, ellipsoid(100));
+  EXPECT_THAT(packed().warnings, ElementsAre(HasSubstr("3 frames are missing")));
+  EXPECT_EQ(read_manifest(options_.output)->duration_us, 160'000u);
+  options_.keep_gaps = options_.times_of_files = true;
+  EXPECT_FALSE(packed().recorded_fps);
+  const Manifest manifest = *read_manifest(options_.output);
+  EXPECT_EQ(manifest.duration_us, 280'000u);
+  EXPECT_EQ(manifest.fps, 25.0);
+  EXPECT_FALSE(manifest.captured_us);
+  EXPECT_THAT(manifest.segments.at(0).times_us, ElementsAre(0, 40'000, 80'000, 240'000));
 }
 
 TEST_F(PackGrid, refuses_frames_that_lie_too_far_apart_for_one_cube) {
@@ -192,14 +272,10 @@ TEST_F(PackGrid, refuses_frames_that_lie_too_far_apart_for_one_cube) {
 }
 
 TEST_F(PackGrid, refuses_a_frame_of_which_some_points_are_too_far_away) {
-  PointCloud cloud = ellipsoid(2000);
-  cloud.positions.emplace_back(3e8f, 0.0f, 0.0f);
-  cloud.normals.emplace_back(0.0f, 0.0f, 1.0f);
-  cloud.colors.emplace_back(0);
-  write(0, cloud);
+  write(0, with_far_points(ellipsoid(2000), {3e8f}));
   for (const bool cube_per_frame : {false, true}) {
     options_.cube_per_frame = cube_per_frame;
-    EXPECT_THAT(error(), HasSubstr("some lie too far away for an octree of 21 levels"));
+    EXPECT_THAT(error(), HasSubstr("point 2000 at 3e+08 0 0 lies far from all others"));
   }
 }
 

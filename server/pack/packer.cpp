@@ -111,6 +111,7 @@ class Packer {
   }
 
   Result<PackSummary> finish() {
+    for (const std::string& line : warnings_.rest()) warn(line);
     summary_.bytes = TRY(finish_package(output_.folder, manifest_, options_.output));
     for (const PackageFile* file : manifest_.files()) summary_.bytes += file->bytes;
     summary_.encode_ms = spread_of(std::move(encode_ms_));

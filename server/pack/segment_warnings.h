@@ -1,7 +1,11 @@
 #pragma once
 
+#include <cstddef>
+#include <map>
 #include <string>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "codec/sequence/encoding_options.h"
 #include "server/encode/unread_properties.h"
@@ -10,7 +14,7 @@
 namespace pointreel {
 
 /// What users are warned of while segments are packed. What holds for the whole sequence is told
-/// once.
+/// once, and of what holds for many frames only the first are named.
 class SegmentWarnings {
  public:
   /// The lines that this segment adds.
@@ -26,11 +30,39 @@ class SegmentWarnings {
     }
     if (const std::string names = unread_.fresh(segment.unread); !names.empty())
       lines.push_back("properties of points that are not packed: " + names);
-    lines.insert(lines.end(), segment.warnings.begin(), segment.warnings.end());
+    for (const std::string& line : segment.warnings) {
+      if (++told_[kind_of(line)] <= kMostOfAKind) lines.push_back(line);
+    }
+    return lines;
+  }
+
+  /// How many were left out because there were so many of their kind.
+  std::vector<std::string> rest() const {
+    std::vector<std::string> lines;
+    for (const auto& [kind, count] : told_) {
+      if (count > kMostOfAKind)
+        lines.push_back(fmt::format("{} more like this: {}", count - kMostOfAKind, kind));
+    }
     return lines;
   }
 
  private:
+  static constexpr std::size_t kMostOfAKind = 8;
+
+  /// Frames and counts are numbers, which become N.
+  static std::string kind_of(const std::string& line) {
+    std::string kind;
+    for (const char c : line) {
+      if (c < '0' || c > '9') {
+        kind += c;
+      } else if (kind.empty() || kind.back() != 'N') {
+        kind += 'N';
+      }
+    }
+    return kind;
+  }
+
+  std::map<std::string, std::size_t> told_;
   bool told_of_radii_ = false, told_of_scalars_ = false;
   UnreadProperties unread_;
 };

@@ -120,6 +120,8 @@ class PartPacker {
         if (fail_fast) break;
       }
     }
+    for (const std::string& line : warnings_.rest())
+      if (listener_.warn) listener_.warn(line);
     return std::move(report_);
   }
 

@@ -225,6 +225,20 @@ TEST_F(PackGrid, shows_the_frame_before_one_that_cannot_be_read_if_told_to_do_it
   }
 }
 
+TEST_F(PackGrid, warnings_of_one_kind_are_told_some_times_and_then_counted) {
+  for (int i = 0; i < 30; ++i) {
+    PointCloud cloud = ellipsoid(100 + static_cast<std::size_t>(i));
+    for (int k = 0; k < 10 + i; ++k) cloud.normals[static_cast<std::size_t>(k)] = glm::vec3(0.0f);
+    write(i, cloud);
+  }
+  options_.segment_frames = 7;
+  const std::vector<std::string> warnings = packed().warnings;
+  ASSERT_EQ(warnings.size(), 9u);
+  EXPECT_THAT(warnings[7], HasSubstr("7.ply: 17 points have no usable normal"));
+  EXPECT_THAT(warnings[8], StartsWith("22 more like this: "));
+  EXPECT_THAT(warnings[8], HasSubstr("N.ply: N points have no usable normal"));
+}
+
 TEST_F(PackGrid, an_empty_frame_stands_where_none_can_be_read) {
   write(0, ellipsoid(100));
   fs::resize_file(in() / "0.ply", 500);

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
+#include <set>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -152,6 +154,7 @@ class GltfReader {
       shown_.resize(nodes_.size());
       for (const std::size_t node : scene_nodes_) TRY(add_node(node, glm::dmat4(1.0), 0));
     }
+    notes.unread.insert(notes.unread.end(), dropped_.begin(), dropped_.end());
     return finish();
   }
 
@@ -469,6 +472,8 @@ class GltfReader {
       Fields primitive(item.value());
       const JsonValue* attributes = primitive.value("attributes");
       TRY(at_place(concat("meshes/", index), primitive.check()));
+      if (primitive.has("targets")) dropped_.insert("morph targets");
+      note_dropped(*attributes);
       Fields named(*attributes);
       if (!named.has("POSITION")) continue;
       const std::size_t position = named.integer("POSITION", kMaxInteger);
@@ -478,6 +483,16 @@ class GltfReader {
       TRY(at_place(concat("meshes/", index), add_primitive(primitive, named, position, matrix)));
     }
     return {};
+  }
+
+  /// Further colours, and what programs have added of their own.
+  void note_dropped(const JsonValue& attributes) {
+    constexpr std::size_t kMost = 64;
+    for (JsonItems item(attributes); item.next() && dropped_.size() < kMost;) {
+      const std::string name = item.key().string().value_or("");
+      if (name.starts_with("_") || (name.starts_with("COLOR_") && name != "COLOR_0"))
+        dropped_.insert(printable(name));
+    }
   }
 
   /// Of a primitive's material; white without one. Textures are not looked at.
@@ -581,6 +596,7 @@ class GltfReader {
   std::vector<glm::dvec3> points_;
   std::vector<glm::vec3> normals_;
   std::vector<glm::u16vec3> colors_;  ///< of all points, white where nothing tells them
+  std::set<std::string> dropped_;     ///< names of what vertices have besides
   bool colored_ = false;              ///< something does
 };
 

@@ -65,9 +65,10 @@ bool misses_delta(const EncodedFrame& encoded, const PointCloud& cloud, const Gr
 }  // namespace
 
 std::optional<Collapse> collapse_of(const EncodedFrame& encoded, const PointCloud& cloud,
-                                    const Grid& grid, const EncodeOptions& used) {
+                                    const Grid& grid, const EncodeOptions& used, bool strays) {
   const glm::dvec3 extent = bounds(cloud).extent();
-  const double length = std::max({extent.x, extent.y, extent.z});
+  const double length =
+      strays ? 2.0 * length_of_middle(cloud.positions) : std::max({extent.x, extent.y, extent.z});
   if (!(length > 0.0)) return std::nullopt;
   const bool far_apart = grid.cube.edge > kFarApart * length;
   const auto* octree = std::get_if<OctreeOptions>(&used.codec);

@@ -20,8 +20,9 @@ struct Collapse {
 /// depth, if it lies in a cube more than 16 times as large as its own, and is itself less than 16
 /// voxels long. Nothing if the frame is as it should be, or if its depth was lowered on request.
 ///
-/// `cloud` is the source of `encoded`, `used` the options it was encoded with.
+/// `cloud` is the source of `encoded`, `used` the options it was encoded with. `strays`: some
+/// points lie far from all others; then the frame is as large as these others.
 std::optional<Collapse> collapse_of(const EncodedFrame& encoded, const PointCloud& cloud,
-                                    const Grid& grid, const EncodeOptions& used);
+                                    const Grid& grid, const EncodeOptions& used, bool strays);
 
 }  // namespace pointreel

@@ -35,7 +35,8 @@ Result<EncodeOptions> encode(PackedFrame& frame, const PointCloud& cloud, const 
 Result<void> check_collapse(PackedFrame& frame, const std::string& file, const PointCloud& cloud,
                             const Grid& grid, const std::string& strays, const EncodeOptions& used,
                             bool best_effort) {
-  const std::optional<Collapse> collapse = collapse_of(frame.encoded, cloud, grid, used);
+  const std::optional<Collapse> collapse =
+      collapse_of(frame.encoded, cloud, grid, used, !strays.empty());
   if (!collapse) return {};
   if (best_effort) {
     frame.warnings.push_back(fmt::format("{}, because {}", collapse->what, collapse->why));
@@ -66,6 +67,8 @@ Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const Pac
   frame.warnings = loaded->warnings;
   frame.unreadable = loaded->unreadable;
   const Result<Grid> grid = input.grid_of(*loaded);
+  if (!grid && !loaded->strays.empty())
+    return fail(ErrorCode::limit, fmt::format("{} ({})", loaded->strays, grid.error().message));
   if (!grid) return fail_at(file, grid.error());
   const auto used = encode(frame, cloud, *grid, options, limits);
   if (!used) return fail_at(file, used.error());

@@ -183,6 +183,14 @@ TEST(Gltf, extensions_that_matter_are_refused_where_they_are_needed_and_told_whe
   EXPECT_THAT(unread, ElementsAre("EXT_mesh_gpu_instancing"));
 }
 
+TEST(Gltf, what_vertices_have_besides_is_told) {
+  std::vector<std::string> unread;
+  ASSERT_TRUE(read(changed(R"("COLOR_0":2}})",
+                           R"("COLOR_0":2,"COLOR_1":2,"TEXCOORD_0":1,"_HEAT":2},"targets":[]})"),
+                   &unread));
+  EXPECT_THAT(unread, ElementsAre("textures", "COLOR_1", "_HEAT", "morph targets"));
+}
+
 TEST(Gltf, each_lie_is_an_error_that_names_the_part) {
   EXPECT_THAT(error_of(changed(R"("count":2)", R"("count":3)")), HasSubstr("accessors/0: its 3"));
   EXPECT_THAT(error_of(changed(R"("count":2)", R"("count":9007199254740991)")),

@@ -189,12 +189,20 @@ TEST_F(PackGrid, names_the_frame_that_has_a_stray_and_leaves_it_out_if_told_to_d
     write(i, i == 3 ? with_far_points(ellipsoid(2000), {1e7f}) : ellipsoid(2000));
   use(octree(DepthRule{}));
   const std::string stray = (in() / "3.ply").string() + ": point 2000 at 1e+07 0 0 lies far";
-  for (const std::optional<double> voxel : {std::optional<double>(), std::optional(0.001)}) {
-    options_.voxel = voxel;
-    EXPECT_THAT(error(), StartsWith(stray));
-    EXPECT_THAT(error(), Not(HasSubstr("--cube frame")));
+  for (const bool cube_per_frame : {false, true}) {
+    options_.cube_per_frame = cube_per_frame;
+    for (const std::optional<double> voxel : {std::optional<double>(), std::optional(0.001)}) {
+      options_.voxel = voxel;
+      EXPECT_THAT(error(), StartsWith(stray));
+      EXPECT_THAT(error(), Not(HasSubstr("--cube frame")));
+    }
+    options_.voxel.reset();
+    for (const EncodeOptions& encode : {octree(DepthRule::fixed(10)), draco(11)}) {
+      use(encode);
+      EXPECT_THAT(error(), StartsWith(stray));
+    }
+    use(octree(DepthRule{}));
   }
-  options_.voxel.reset();
   options_.best_effort = true;
   for (const bool cube_per_frame : {false, true}) {
     options_.cube_per_frame = cube_per_frame;

@@ -15,7 +15,7 @@ namespace pointreel {
 namespace {
 
 /// Far more than any real message has.
-constexpr std::uint32_t kMaxFields = 1024;
+constexpr std::uint32_t kMaxMessageFields = 1024;
 
 /// Reads CDR: numbers are aligned to their size, counted from behind the first four bytes. Past the
 /// end, every value is zero and `ok()` stays false.
@@ -94,8 +94,9 @@ Result<Message> parse(ByteView bytes) {
   message.height = cdr.get<std::uint32_t>();
   message.width = cdr.get<std::uint32_t>();
   const auto fields = cdr.get<std::uint32_t>();
-  if (fields > kMaxFields)
-    return fail(ErrorCode::limit, concat("fields: has ", fields, ", more than ", kMaxFields));
+  if (fields > kMaxMessageFields)
+    return fail(ErrorCode::limit,
+                concat("fields: has ", fields, ", more than ", kMaxMessageFields));
   for (std::uint32_t i = 0; i < fields && cdr.ok(); ++i) {
     const std::string_view name = cdr.get_string();
     const auto offset = cdr.get<std::uint32_t>();

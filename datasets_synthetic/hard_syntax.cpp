@@ -268,8 +268,6 @@ void add_faults(CaseList& list) {
       {"line 3", "property"});
   add("property_without_name.ply", "A property that lacks its name",
       vertex + x + "property float\n", {"line 5", "property", "vertex"});
-  add("unknown_keyword.ply", "A header line of another format", vertex + x + y + z + "VERSION .7\n",
-      {"line 7", "VERSION"});
   add("no_properties.ply", "Vertices without any property", vertex, {"line 3", "vertex", "x"});
   add("other_elements_only.ply", "Points under another name", "element point 3\n" + x + y + z,
       {"vertex"});

@@ -253,8 +253,13 @@ class McapRecording::Impl {
 
   /// A record that stands by itself.
   Result<void> take(const Record& record, ByteView bytes, std::uint64_t begin) {
-    if (record.opcode == kChunk) return take_chunk(bytes, begin, record.size);
-    if (record.opcode == kMessageIndex) return take_index(bytes);
+    if (record.opcode == kChunk) {
+      Result<void> taken = take_chunk(bytes, begin, record.size);
+      lost_chunk_ = !taken;
+      return taken;
+    }
+    // The indexes of a chunk follow it.
+    if (record.opcode == kMessageIndex) return lost_chunk_ ? Result<void>() : take_index(bytes);
     if (record.opcode == kMessage) return take_message(bytes, begin - kHead, kNoChunk);
     return take_description(record.opcode, bytes);
   }
@@ -482,6 +487,7 @@ class McapRecording::Impl {
   const std::uint64_t max_memory_;
   const bool best_effort_;
   RecordingLoss loss_;
+  bool lost_chunk_ = false;  ///< the newest chunk was left out
   std::map<std::uint16_t, std::string> schemas_;
   std::map<std::uint16_t, Channel> channels_;
   std::vector<Chunk> chunks_;

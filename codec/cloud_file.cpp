@@ -16,6 +16,7 @@
 #include "codec/formats/format_table.h"
 #include "codec/formats/gltf_buffers.h"
 #include "codec/formats/mcap.h"
+#include "codec/guess_reading.h"
 #include "common/base/natural_order.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
@@ -101,17 +102,27 @@ constexpr std::uint64_t kLongest = 31ull * 24 * 3600 * 1'000'000;
 constexpr std::size_t kBegin = 256;
 
 Result<LoadedCloud> read_source(const ByteSource& source, CloudFormat format,
-                                const DecodeLimits& limits) {
+                                const DecodeLimits& limits, const Reading& reading) {
   return or_out_of_memory([&]() -> Result<LoadedCloud> {
     ReadNotes notes;
-    PointCloud cloud = TRY(read_points(source, format, limits, notes));
-    return usable_cloud(std::move(cloud), format, std::move(notes));
+    PointCloud cloud = TRY(read_points(source, format, limits, reading, notes));
+    const double full_color = notes.full_color;
+    LoadedCloud loaded = usable_cloud(std::move(cloud), format, std::move(notes));
+    loaded.full_color = full_color;
+    return loaded;
   });
 }
 
 Result<CloudFormat> format_of_file(const ByteSource& source, const fs::path& path) {
   Bytes room;
   return format_of(TRY(source.view(0, kBegin, room)), path.filename().string());
+}
+
+Result<void> guess(CloudSequence& sequence, const Reading& asked) {
+  return or_out_of_memory([&]() -> Result<void> {
+    guess_reading(sequence, asked);
+    return {};
+  });
 }
 
 /// The file with its buffers in it, where it is a .gltf file with buffers in other files.
@@ -124,23 +135,41 @@ Result<std::optional<Bytes>> embedded(const ByteSource& source, CloudFormat form
   });
 }
 
-}  // namespace
-
-Result<LoadedCloud> read_cloud(ByteView bytes, CloudFormat format, const DecodeLimits& limits) {
-  return read_source(ByteSource(bytes), format, limits);
-}
-
-Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits) {
-  return read_cloud(bytes, format_of(bytes, {}), limits);
-}
-
-Result<LoadedCloud> read_cloud_file(const fs::path& path, const DecodeLimits& limits) {
+Result<LoadedCloud> read_file(const fs::path& path, const DecodeLimits& limits,
+                              const Reading& reading) {
   const ByteSource source = TRY(at_place(path.string(), ByteSource::open(path)));
   const CloudFormat format = TRY(at_place(path.string(), format_of_file(source, path)));
   const auto whole =
       TRY(at_place(path.string(), embedded(source, format, path, limits.max_memory)));
   if (whole) return at_place(path.string(), read_cloud(*whole, format, limits));
-  return at_place(path.string(), read_source(source, format, limits));
+  return at_place(path.string(), read_source(source, format, limits, reading));
+}
+
+}  // namespace
+
+Result<LoadedCloud> read_cloud(ByteView bytes, CloudFormat format, const DecodeLimits& limits,
+                               const Reading& reading) {
+  return read_source(ByteSource(bytes), format, limits, reading);
+}
+
+Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits, const Reading& reading) {
+  return read_cloud(bytes, format_of(bytes, {}), limits, reading);
+}
+
+Result<LoadedCloud> read_cloud_file(const fs::path& path, const DecodeLimits& limits) {
+  CloudSequence alone;
+  alone.frames.push_back({path});
+  TRY(guess(alone, {}));
+  return read_cloud_frame(alone.frames.front(), limits);
+}
+
+Result<LoadedCloud> read_next_cloud_file(const fs::path& path, Reading& reading) {
+  CloudSequence alone;
+  alone.frames.push_back({path});
+  TRY(guess(alone, reading));
+  LoadedCloud loaded = TRY(read_cloud_frame(alone.frames.front()));
+  reading = std::move(alone.reading);
+  return loaded;
 }
 
 bool is_cloud_file(const fs::path& path) {
@@ -255,7 +284,7 @@ Result<std::shared_ptr<const Recording>> open_recording(const fs::path& path,
 
 Result<CloudSequence> list_cloud_frames(const std::vector<fs::path>& inputs,
                                         const std::string& topic, std::uint64_t max_memory,
-                                        bool best_effort) {
+                                        bool best_effort, const Reading& asked) {
   CloudSequence sequence;
   for (const fs::path& file : TRY(list_cloud_files(inputs, &sequence.warnings))) {
     if (const auto recording = TRY(open_recording(file, topic, max_memory, best_effort))) {
@@ -266,14 +295,16 @@ Result<CloudSequence> list_cloud_frames(const std::vector<fs::path>& inputs,
   }
   check_numbers(sequence);
   sequence.find_times();
+  TRY(guess(sequence, asked));
   return sequence;
 }
 
 Result<LoadedCloud> read_cloud_frame(const CloudFrame& frame, const DecodeLimits& limits) {
-  if (frame.recording == nullptr) return read_cloud_file(frame.file, limits);
+  const Reading reading = frame.reading == nullptr ? Reading() : *frame.reading;
+  if (frame.recording == nullptr) return read_file(frame.file, limits, reading);
   const std::string name = frame.name();
   const Bytes bytes = TRY(at_place(name, frame.recording->read(frame.index)));
-  return at_place(name, read_cloud(bytes, frame.recording->format(), limits));
+  return at_place(name, read_cloud(bytes, frame.recording->format(), limits, reading));
 }
 
 Result<CloudBytes> fetch_cloud_frame(const CloudFrame& frame, std::uint64_t max_bytes) {

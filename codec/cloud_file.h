@@ -10,6 +10,7 @@
 #include "codec/formats/cloud_format.h"
 #include "codec/formats/recording.h"
 #include "common/cloud/read_notes.h"
+#include "common/cloud/reading.h"
 #include "pointreel/bytes.h"
 #include "pointreel/cloud.h"
 #include "pointreel/codec.h"
@@ -24,6 +25,7 @@ struct LoadedCloud {
   std::size_t left_out = 0;           ///< points of the file
   std::vector<std::string> warnings;  ///< lines without the file's name
   std::vector<std::string> unread;    ///< names of what points have in the file and was skipped
+  double full_color = 0.0;            ///< ReadNotes::full_color
 };
 
 /// For files that a user chose to encode: with as many points as a frame may have, whatever memory
@@ -37,9 +39,10 @@ inline const DecodeLimits kOwnFiles{.max_memory = ~std::uint64_t{0}};
 ///
 /// Trust: the bytes may be hostile. Memory is bounded by their number, and by `limits`.
 Result<LoadedCloud> read_cloud(ByteView bytes, CloudFormat format,
-                               const DecodeLimits& limits = kOwnFiles);
+                               const DecodeLimits& limits = kOwnFiles, const Reading& reading = {});
 /// The same for formats that are recognised by their first bytes.
-Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits = kOwnFiles);
+Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits = kOwnFiles,
+                               const Reading& reading = {});
 
 /// The cloud as read_cloud returns it: sanitized, with what was repaired, and without what says
 /// nothing.
@@ -49,6 +52,8 @@ LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format, ReadNotes notes =
 /// with the path.
 Result<LoadedCloud> read_cloud_file(const std::filesystem::path& path,
                                     const DecodeLimits& limits = kOwnFiles);
+/// The same of files that come one after another: what `reading` lacks is guessed by the first.
+Result<LoadedCloud> read_next_cloud_file(const std::filesystem::path& path, Reading& reading);
 
 /// Whether files of that name may hold points, in small letters or capitals.
 bool is_cloud_file(const std::filesystem::path& path);
@@ -68,8 +73,9 @@ Result<std::vector<std::filesystem::path>> list_cloud_files(
 struct CloudFrame {
   std::filesystem::path file;
   std::shared_ptr<const Recording> recording = nullptr;
-  std::uint32_t index = 0;                    ///< in the recording
-  std::optional<std::uint64_t> time_us = {};  ///< where the recording tells
+  std::uint32_t index = 0;                           ///< in the recording
+  std::optional<std::uint64_t> time_us = {};         ///< where the recording tells
+  std::shared_ptr<const Reading> reading = nullptr;  ///< of the sequence; null: by the file alone
 
   std::string name() const;  ///< the path, or "PATH: message 3"
 };
@@ -83,6 +89,8 @@ struct CloudSequence {
   double fps = 0.0;                   ///< by the median spacing of `times_us`; 0 without
   std::vector<std::string> warnings;  ///< of list_cloud_files, and about what is missing
   std::size_t lost_parts = 0;         ///< RecordingLoss::parts
+  Reading reading;                    ///< as it was asked for and guessed
+  std::vector<std::string> guesses;   ///< what was guessed of it, and how to change it
 
   std::uint64_t end_us() const;
   /// Unix time of the first frame; nothing if its time is counted from another moment.
@@ -98,12 +106,12 @@ struct CloudSequence {
 
 /// The frames of list_cloud_files: each file, and each cloud of recordings (.mcap, and depth in
 /// .mkv and folders). `topic`: of recordings that have several. `max_memory`: of the parts of
-/// recordings that are kept. `best_effort`: leave damaged parts of recordings out. The error begins
-/// with the path.
+/// recordings that are kept. `best_effort`: leave damaged parts of recordings out. `asked`: what is
+/// not to be guessed of how the frames are read. The error begins with the path.
 Result<CloudSequence> list_cloud_frames(const std::vector<std::filesystem::path>& inputs,
                                         const std::string& topic = {},
                                         std::uint64_t max_memory = ~std::uint64_t{0},
-                                        bool best_effort = false);
+                                        bool best_effort = false, const Reading& asked = {});
 
 /// The error begins with the frame's name.
 Result<LoadedCloud> read_cloud_frame(const CloudFrame& frame,

@@ -22,56 +22,71 @@
 namespace pointreel {
 namespace {
 
-using Read = Result<PointCloud> (*)(const ByteSource&, const DecodeLimits&, ReadNotes&);
+using Read = Result<PointCloud> (*)(const ByteSource&, const DecodeLimits&, const Reading&,
+                                    ReadNotes&);
 
-Result<PointCloud> read_whole_ply(const ByteSource& source, const DecodeLimits&, ReadNotes& notes) {
+Result<PointCloud> read_whole_ply(const ByteSource& source, const DecodeLimits&, const Reading&,
+                                  ReadNotes& notes) {
   Bytes room;
   return read_ply(TRY(source.all(room)), &notes);
 }
 
 Result<PointCloud> read_whole_drc(const ByteSource& source, const DecodeLimits& limits,
-                                  ReadNotes&) {
+                                  const Reading&, ReadNotes&) {
   Bytes room;
   return read_drc(TRY(source.all(room)), limits);
 }
 
-Result<PointCloud> read_text(const ByteSource& source, const DecodeLimits&, ReadNotes& notes) {
-  return read_text_points(source, notes.unread);
-}
-
 template <auto kRead>
-Result<PointCloud> read_unlimited(const ByteSource& source, const DecodeLimits&, ReadNotes& notes) {
+Result<PointCloud> read_unlimited(const ByteSource& source, const DecodeLimits&, const Reading&,
+                                  ReadNotes& notes) {
   return kRead(source, notes);
 }
 
-template <std::size_t kFloats>
-Result<PointCloud> read_sweep_of(const ByteSource& source, const DecodeLimits&, ReadNotes&) {
-  return read_sweep(source, kFloats);
+template <auto kRead>
+Result<PointCloud> read_limited(const ByteSource& source, const DecodeLimits& limits,
+                                const Reading&, ReadNotes& notes) {
+  return kRead(source, limits, notes);
 }
 
-Result<PointCloud> refuse_recording(const ByteSource&, const DecodeLimits&, ReadNotes&) {
+template <auto kRead>
+Result<PointCloud> read_as(const ByteSource& source, const DecodeLimits&, const Reading& reading,
+                           ReadNotes& notes) {
+  return kRead(source, reading, notes);
+}
+
+Result<PointCloud> read_nuscenes(const ByteSource& source, const DecodeLimits&,
+                                 const Reading& reading, ReadNotes& notes) {
+  if (!reading.columns.empty()) return read_sweep(source, reading, notes);
+  return read_sweep(source, {nuscenes_columns(), reading.full_color}, notes);
+}
+
+Result<PointCloud> refuse_recording(const ByteSource&, const DecodeLimits&, const Reading&,
+                                    ReadNotes&) {
   return fail(ErrorCode::unsupported,
               "is an MCAP recording of many clouds: pack it, or play it under a name that ends in "
               ".mcap");
 }
 
-Result<PointCloud> refuse_video(const ByteSource&, const DecodeLimits&, ReadNotes&) {
+Result<PointCloud> refuse_video(const ByteSource&, const DecodeLimits&, const Reading&,
+                                ReadNotes&) {
   return fail(ErrorCode::unsupported,
               "is a video: pack it, or play it under a name that ends in .mkv, if it is of depth");
 }
 
-Result<PointCloud> refuse_picture(const ByteSource&, const DecodeLimits&, ReadNotes&) {
+Result<PointCloud> refuse_picture(const ByteSource&, const DecodeLimits&, const Reading&,
+                                  ReadNotes&) {
   return fail(ErrorCode::unsupported,
               "is a picture: to read depth, name the folder that has depth/*.png and intrinsics");
 }
 
-Result<PointCloud> refuse_bag(const ByteSource&, const DecodeLimits&, ReadNotes&) {
+Result<PointCloud> refuse_bag(const ByteSource&, const DecodeLimits&, const Reading&, ReadNotes&) {
   return fail(ErrorCode::unsupported,
               "is a bag of ROS 1 or in SQLite, which is not read: convert it to MCAP with "
               "\"rosbags-convert --src IN --dst OUT --dst-storage mcap\" (of PyPI's rosbags)");
 }
 
-Result<PointCloud> refuse_e57(const ByteSource&, const DecodeLimits&, ReadNotes&) {
+Result<PointCloud> refuse_e57(const ByteSource&, const DecodeLimits&, const Reading&, ReadNotes&) {
   return fail(
       ErrorCode::unsupported,
       "is an E57 file, which is not read: convert it with \"pdal translate IN.e57 OUT.las\"");
@@ -93,7 +108,7 @@ constexpr Row kFormats[] = {
     {CloudFormat::ply, "PLY", {".ply"}, {"ply", "PLY"}, Likely::yes, read_whole_ply},
     {CloudFormat::drc, "Draco", {".drc"}, {"DRACO"}, Likely::yes, read_whole_drc},
     // Before .bin, with which the name ends, too.
-    {CloudFormat::nuscenes_sweep, "nuScenes", {".pcd.bin"}, {}, Likely::yes, read_sweep_of<5>, 'z'},
+    {CloudFormat::nuscenes_sweep, "nuScenes", {".pcd.bin"}, {}, Likely::yes, read_nuscenes, 'z'},
     {CloudFormat::pcd,
      "PCD",
      {".pcd"},
@@ -114,10 +129,16 @@ constexpr Row kFormats[] = {
      {".xyz", ".pts", ".asc", ".txt", ".csv"},
      {},
      Likely::maybe,
-     read_text},
+     read_as<read_text_points>},
     {CloudFormat::obj, "OBJ", {".obj"}, {}, Likely::yes, read_unlimited<read_obj>},
-    {CloudFormat::gltf, "glTF", {".glb", ".gltf"}, {"glTF"}, Likely::yes, read_gltf, 'y'},
-    {CloudFormat::sweep, "KITTI", {".bin"}, {}, Likely::maybe, read_sweep_of<0>, 'z'},
+    {CloudFormat::gltf,
+     "glTF",
+     {".glb", ".gltf"},
+     {"glTF"},
+     Likely::yes,
+     read_limited<read_gltf>,
+     'y'},
+    {CloudFormat::sweep, "KITTI", {".bin"}, {}, Likely::maybe, read_as<read_sweep>, 'z'},
     {CloudFormat::mcap, "MCAP", {".mcap"}, {"\x89MCAP0"}, Likely::yes, refuse_recording, 'z', true},
     {CloudFormat::point_cloud2,
      "PointCloud2",
@@ -134,7 +155,7 @@ constexpr Row kFormats[] = {
      Likely::maybe,
      refuse_video,
      'y'},
-    {CloudFormat::depth_frame, "depth", {}, {}, Likely::no, read_depth_frame, 'y'},
+    {CloudFormat::depth_frame, "depth", {}, {}, Likely::no, read_limited<read_depth_frame>, 'y'},
     {CloudFormat::foreign, "", {}, {"\x89PNG"}, Likely::no, refuse_picture},
     {CloudFormat::foreign, "", {}, {"#ROSBAG", "SQLite format 3"}, Likely::no, refuse_bag},
     {CloudFormat::foreign, "", {}, {"ASTM-E57"}, Likely::no, refuse_e57},
@@ -222,7 +243,8 @@ std::string known_formats() {
 }
 
 Result<PointCloud> read_points(const ByteSource& source, CloudFormat format,
-                               const DecodeLimits& limits, ReadNotes& notes) {
+                               const DecodeLimits& limits, const Reading& reading,
+                               ReadNotes& notes) {
   if (source.size() == 0) return fail("the file is empty");
   Bytes room;
   const ByteView begin = TRY(source.view(0, 16, room));
@@ -235,7 +257,8 @@ Result<PointCloud> read_points(const ByteSource& source, CloudFormat format,
   }
   if (std::string fault = fault_of_begin(*row, begin); !fault.empty())
     return fail(std::move(fault));
-  return row->read(source, limits, notes);
+  notes.full_color = reading.full_color;
+  return row->read(source, limits, reading, notes);
 }
 
 }  // namespace pointreel

@@ -3,6 +3,7 @@
 #include "codec/formats/byte_source.h"
 #include "codec/formats/cloud_format.h"
 #include "common/cloud/read_notes.h"
+#include "common/cloud/reading.h"
 #include "pointreel/cloud.h"
 #include "pointreel/codec.h"
 #include "pointreel/error.h"
@@ -16,6 +17,7 @@ namespace pointreel {
 /// Trust: the bytes may be hostile. Memory is bounded by a constant times their number, and where
 /// few bytes may stand for many points, by `limits`.
 Result<PointCloud> read_points(const ByteSource& source, CloudFormat format,
-                               const DecodeLimits& limits, ReadNotes& notes);
+                               const DecodeLimits& limits, const Reading& reading,
+                               ReadNotes& notes);
 
 }  // namespace pointreel

@@ -155,7 +155,7 @@ class GltfReader {
       for (const std::size_t node : scene_nodes_) TRY(add_node(node, glm::dmat4(1.0), 0));
     }
     notes.unread.insert(notes.unread.end(), dropped_.begin(), dropped_.end());
-    return finish();
+    return finish(notes);
   }
 
  private:
@@ -571,13 +571,13 @@ class GltfReader {
     return named.check();
   }
 
-  PointCloud finish() {
+  PointCloud finish(ReadNotes& notes) {
     RecordLayout layout;
     for (std::size_t i = 0; i < 3; ++i)
       layout.position[i] = {i * sizeof(double), sizeof(glm::dvec3), NumberType::float64};
     RecordCollector collector(layout, points_.size());
     collector.add(reinterpret_cast<const std::uint8_t*>(points_.data()), 0, points_.size());
-    PointCloud cloud = collector.finish();
+    PointCloud cloud = collector.finish(notes);
     if (!normals_.empty()) normals_.resize(points_.size(), glm::vec3(0.0f));
     cloud.normals = std::move(normals_);
     if (colored_) cloud.colors = std::move(colors_);

@@ -168,7 +168,7 @@ Result<PointCloud> read_las(const ByteSource& source, ReadNotes& notes) {
   if (format.time) notes.unread.push_back("GPS time");
   if (format.waveform) notes.unread.push_back("waveform");
   if (header.table.size > format.size) notes.unread.push_back("extra bytes");
-  return read_records(source, header.table, layout);
+  return read_records(source, header.table, layout, notes);
 }
 
 }  // namespace pointreel

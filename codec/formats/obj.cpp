@@ -123,7 +123,7 @@ class ObjReader {
     }
     RecordCollector collector(layout, vertices_.size());
     collector.add(reinterpret_cast<const std::uint8_t*>(vertices_.data()), 0, vertices_.size());
-    PointCloud cloud = collector.finish();
+    PointCloud cloud = collector.finish(notes);
     if (!sums_.empty()) {
       sums_.resize(vertices_.size(), glm::vec3(0.0f));
       cloud.normals = std::move(sums_);

@@ -247,7 +247,7 @@ Result<Table> table_of(const PcdHeader& header, std::uint64_t count) {
 /// Reads columns that LZF has compressed.
 Result<PointCloud> read_compressed(const ByteSource& source, const PcdHeader& header,
                                    const Table& table, const RecordLayout& layout,
-                                   std::uint64_t count) {
+                                   std::uint64_t count, ReadNotes& notes) {
   Bytes room;
   const ByteView sizes = TRY(source.view(header.size, 8, room));
   if (sizes.size() < 8)
@@ -263,7 +263,7 @@ Result<PointCloud> read_compressed(const ByteSource& source, const PcdHeader& he
         concat("byte ", header.size, ": ", packed, " bytes of LZF cannot stand for ", unpacked));
   }
   RecordCollector collector(layout, count);
-  if (count == 0) return collector.finish();
+  if (count == 0) return collector.finish(notes);
   const ByteView bytes = TRY(source.view(header.size + 8, packed, room));
   if (bytes.size() < packed)
     return fail(concat("byte ", header.size + 8 + bytes.size(), ": the compressed data end before ",
@@ -272,7 +272,7 @@ Result<PointCloud> read_compressed(const ByteSource& source, const PcdHeader& he
   if (lzf_decompress(bytes.data(), packed, columns.data(), unpacked) != unpacked)
     return fail(concat("byte ", header.size + 8, ": the compressed data are damaged"));
   collector.add(columns.data(), 0, static_cast<std::size_t>(count));
-  return collector.finish();
+  return collector.finish(notes);
 }
 
 /// Colours in one number are written as a whole number, or as the float of the same bits.
@@ -281,7 +281,7 @@ bool is_whole(std::string_view word) {
 }
 
 Result<PointCloud> read_ascii(const ByteSource& source, const PcdHeader& header, const Table& table,
-                              std::uint64_t count) {
+                              std::uint64_t count, ReadNotes& notes) {
   // Words become records of those fields that have one number.
   std::vector<NamedField> fields = table.single;
   std::size_t size = 0;
@@ -330,7 +330,7 @@ Result<PointCloud> read_ascii(const ByteSource& source, const PcdHeader& header,
     if (++rows == block || row + 1 == count) collector.add(records.data(), 0, rows);
     if (rows == block) rows = 0;
   }
-  return collector.finish();
+  return collector.finish(notes);
 }
 
 }  // namespace
@@ -346,12 +346,12 @@ Result<PointCloud> read_pcd(const ByteSource& source, ReadNotes& notes) {
   notes.warnings = std::move(header.warnings);
   switch (header.data) {
     case Data::ascii:
-      return read_ascii(source, header, table, count);
+      return read_ascii(source, header, table, count, notes);
     case Data::binary:
       return read_records(source, {header.size, count, static_cast<std::size_t>(table.size)},
-                          layout);
+                          layout, notes);
     default:
-      return read_compressed(source, header, table, layout, count);
+      return read_compressed(source, header, table, layout, count, notes);
   }
 }
 

@@ -155,7 +155,7 @@ Result<PointCloud> read_point_cloud2(const ByteSource& source, ReadNotes& notes)
   for (std::uint32_t row = 0; row < message.height; ++row) {
     collector.add(message.data.data() + std::size_t{row} * message.row_step, 0, message.width);
   }
-  return collector.finish();
+  return collector.finish(notes);
 }
 
 }  // namespace pointreel

@@ -11,6 +11,7 @@
 #include "common/base/reserve_large.h"
 #include "common/base/try.h"
 #include "common/cloud/finite.h"
+#include "common/cloud/full_color.h"
 
 namespace pointreel {
 namespace {
@@ -23,10 +24,6 @@ constexpr std::size_t kBlockBytes = std::size_t{256} << 10;
 constexpr std::size_t kOriginRows = 1024;
 /// Points whose middle is further from zero than so many times the middle half of them is long.
 constexpr double kFarSpreads = 4.0;
-
-/// Some writers store colours of 8 or 16 bits as floats, which are known by the largest. Shares of
-/// full brightness may be a little above 1.
-constexpr float kLargestShare = 2.0f, kLargestByte = 255.5f, kLargestWord = 65535.5f;
 
 using Block = std::array<double, kBlockRows>;
 
@@ -64,11 +61,6 @@ std::array<T, 3> load_three(const std::uint8_t* at) {
   std::array<T, 3> values;
   std::memcpy(values.data(), at, sizeof(values));
   return values;
-}
-
-std::uint16_t to_color(float value, float full) {
-  if (!(value > 0.0f)) return 0;  // NaN, too
-  return static_cast<std::uint16_t>(std::min(value / full, 1.0f) * 65535.0f + 0.5f);
 }
 
 bool is_wide(NumberType type) { return size_of(type) > 1 && !is_float(type); }
@@ -288,32 +280,33 @@ void RecordCollector::move_far_origin() {
   for (glm::vec3& p : cloud_.positions) p = glm::vec3(glm::dvec3(p) - low);
 }
 
-void RecordCollector::finish_colors() {
-  if (layout_.color && is_float((*layout_.color)[0].type)) {
+void RecordCollector::finish_colors(ReadNotes& notes) {
+  if (!layout_.color) return;
+  if (is_float((*layout_.color)[0].type)) {
     float largest = 0.0f;
     for (const glm::vec3& c : float_colors_)
       for (int i = 0; i < 3; ++i)
         if (c[i] > largest) largest = c[i];
-    const float full = largest <= kLargestShare || largest > kLargestWord ? 1.0f
-                       : largest < kLargestByte                           ? 255.0f
-                                                                          : 65535.0f;
+    const double full = choose_full_color(largest, true, notes);
     cloud_.colors.reserve(float_colors_.size());
     for (const glm::vec3& c : float_colors_)
-      cloud_.colors.emplace_back(to_color(c.x, full), to_color(c.y, full), to_color(c.z, full));
-  } else if (layout_.color && is_wide((*layout_.color)[0].type) && brightest_ <= 255) {
-    // Nobody stores 16 bits to keep colours that are all but black.
-    for (glm::u16vec3& c : cloud_.colors) c = glm::u16vec3(257 * c.x, 257 * c.y, 257 * c.z);
+      cloud_.colors.emplace_back(color_of(c.x, full), color_of(c.y, full), color_of(c.z, full));
+  } else if (is_wide((*layout_.color)[0].type)) {
+    const double full = choose_full_color(brightest_, false, notes);
+    if (full == 65535.0) return;
+    for (glm::u16vec3& c : cloud_.colors)
+      c = glm::u16vec3(color_of(c.x, full), color_of(c.y, full), color_of(c.z, full));
   }
 }
 
-PointCloud RecordCollector::finish() {
+PointCloud RecordCollector::finish(ReadNotes& notes) {
   if (positions_ == Positions::floats) move_far_origin();
-  finish_colors();
+  finish_colors(notes);
   return std::move(cloud_);
 }
 
 Result<PointCloud> read_records(const ByteSource& source, const RecordTable& table,
-                                const RecordLayout& layout) {
+                                const RecordLayout& layout, ReadNotes& notes) {
   const std::uint64_t left = source.size() - std::min(source.size(), table.begin);
   const auto ends = [&](std::uint64_t at, std::uint64_t whole) {
     return fail(concat("byte ", at, ": the data end within point ", whole, " of ", table.count));
@@ -330,7 +323,7 @@ Result<PointCloud> read_records(const ByteSource& source, const RecordTable& tab
       return ends(at + bytes.size(), row + bytes.size() / table.size);
     collector.add(bytes.data(), 0, rows);
   }
-  return collector.finish();
+  return collector.finish(notes);
 }
 
 }  // namespace pointreel

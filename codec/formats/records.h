@@ -13,6 +13,7 @@
 
 #include "codec/formats/byte_source.h"
 #include "codec/formats/numbers.h"
+#include "common/cloud/read_notes.h"
 #include "pointreel/cloud.h"
 #include "pointreel/error.h"
 
@@ -52,9 +53,8 @@ struct RecordLayout {
 /// corner of the bounding box. Others are relative to the whole coordinates below the middle of the
 /// first points if these are far from zero, since floats hold them only near an origin.
 ///
-/// Colours: 8-bit integers v become 257 v; others are kept, or taken as 8 bits if none is above
-/// 255; floats are shares from 0 to 1, or up to 255 or 65535 if the largest is above 2 and no more
-/// than that; values outside of these are clamped, and NaN is 0. Normals are not normalised.
+/// Colours: 8-bit integers v become 257 v; for others, full_color.h says what stands for full
+/// brightness. Normals are not normalised.
 /// Positions may not be finite: `sanitize` the result.
 class RecordCollector {
  public:
@@ -62,7 +62,7 @@ class RecordCollector {
   RecordCollector(const RecordLayout& layout, std::size_t rows);
   /// Adds `rows` rows from row `first` of `base` on.
   void add(const std::uint8_t* base, std::size_t first, std::size_t rows);
-  PointCloud finish();
+  PointCloud finish(ReadNotes& notes);
 
  private:
   enum class Positions : std::uint8_t { floats, scaled };
@@ -74,7 +74,7 @@ class RecordCollector {
   void add_scalars(const std::uint8_t* base, std::size_t first, std::size_t rows);
   void grow_bounds(std::span<const glm::vec3> positions);
   void move_far_origin();
-  void finish_colors();
+  void finish_colors(ReadNotes& notes);
 
   const RecordLayout layout_;
   const Positions positions_;
@@ -98,6 +98,6 @@ struct RecordTable {
 ///
 /// Trust: the numbers may be hostile. No memory is taken for records that are not there.
 Result<PointCloud> read_records(const ByteSource& source, const RecordTable& table,
-                                const RecordLayout& layout);
+                                const RecordLayout& layout, ReadNotes& notes);
 
 }  // namespace pointreel

@@ -8,7 +8,9 @@
 #include <string_view>
 #include <utility>
 
+#include "codec/formats/column_guess.h"
 #include "codec/formats/named_fields.h"
+#include "codec/formats/sample.h"
 #include "codec/formats/words.h"
 #include "common/base/concat.h"
 #include "common/base/parse_number.h"
@@ -20,15 +22,7 @@ namespace {
 
 /// More columns than any real file has. They bound the memory that a line takes.
 constexpr std::size_t kMaxColumns = 256;
-/// Columns that are kept without names: those that have a meaning.
-constexpr std::size_t kMaxUnnamed = 10;
-
 enum class Separator : std::uint8_t { blank, comma, semicolon };
-
-Separator separator_of(std::string_view line) {
-  if (line.find(';') != std::string_view::npos) return Separator::semicolon;
-  return line.find(',') != std::string_view::npos ? Separator::comma : Separator::blank;
-}
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
@@ -76,12 +70,31 @@ std::vector<std::string_view> cells_of(std::string_view line, Separator separato
   return words;
 }
 
+/// Where commas do not separate, one may be the decimal point.
 bool parse_cell(std::string_view word, Separator separator, double& value) {
   if (parse_number(word, value)) return true;
-  if (separator != Separator::semicolon || word.size() > 64) return false;
+  if (separator == Separator::comma || word.size() > 64) return false;
   std::string decimal(word);
   std::replace(decimal.begin(), decimal.end(), ',', '.');
   return parse_number(decimal, value);
+}
+
+/// Whether words between blanks are numbers, and commas in them decimal points: no comma stands
+/// beside a blank.
+bool has_decimal_commas(std::string_view line) {
+  std::size_t words = 0;
+  for (std::string_view word = take_word(line); !word.empty(); word = take_word(line), ++words) {
+    double value = 0.0;
+    if (word.front() == ',' || word.back() == ',' || !parse_cell(word, Separator::blank, value))
+      return false;
+  }
+  return words >= 3;
+}
+
+Separator separator_of(std::string_view line) {
+  if (line.find(';') != std::string_view::npos) return Separator::semicolon;
+  if (line.find(',') == std::string_view::npos) return Separator::blank;
+  return has_decimal_commas(line) ? Separator::blank : Separator::comma;
 }
 
 /// The line without the marks that make it a comment; nothing if it is none.
@@ -98,7 +111,8 @@ std::optional<std::string_view> comment_of(std::string_view line) {
 struct Head {
   std::vector<std::string> names;  ///< of the columns; empty if they have none
   Separator separator = Separator::blank;
-  std::size_t columns = 0;
+  std::size_t columns = 0;             ///< of the first point; 0 without points
+  std::optional<std::uint64_t> count;  ///< what the first line says, as in .pts files
 };
 
 /// Whether words are names of columns: they have x, y and z among them.
@@ -117,6 +131,10 @@ std::vector<std::string> to_strings(const std::vector<std::string_view>& words) 
   return names;
 }
 
+std::uint64_t to_count(double value) {
+  return value >= 0.0 && value < 1e15 ? static_cast<std::uint64_t>(value) : 0;
+}
+
 /// Reads up to the first point, whose line is left in `lines`.
 Result<Head> read_head(Lines& lines) {
   Head head;
@@ -132,7 +150,10 @@ Result<Head> read_head(Lines& lines) {
     const auto words = cells_of(line, head.separator);
     double value = 0.0;
     if (!words.empty() && parse_cell(words[0], head.separator, value)) {
-      if (words.size() == 1) continue;  // the count of a .pts file
+      if (words.size() == 1) {
+        head.count = head.count.value_or(0) + to_count(value);
+        continue;
+      }
       head.columns = words.size();
       if (!head.names.empty() && head.names.size() < head.columns) head.names.clear();
       return head;
@@ -150,101 +171,137 @@ Result<Head> read_head(Lines& lines) {
   return head;
 }
 
-/// What the numbers of columns without names look like.
-struct Look {
-  bool bytes = true;  ///< whole numbers from 0 to 255
-  bool negative = false;
+std::string_view without_mark(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text;
+}
+
+/// Looks at the points of a text that have as many columns as its first.
+void look(const Head& head, Lines lines, ColumnGuess& guess) {
+  std::vector<double> row(std::min(head.columns, ColumnGuess::kMost));
+  for (std::string_view line; lines.next(line);) {
+    if (comment_of(line)) continue;
+    Cells cells(line, head.separator);
+    std::size_t column = 0;
+    std::string_view word;
+    for (; column < row.size() && cells.next(word); ++column) {
+      if (!parse_cell(word, head.separator, row[column]))
+        row[column] = std::numeric_limits<double>::quiet_NaN();
+    }
+    if (column == row.size()) guess.see(row.data(), row.size());
+  }
+}
+
+/// The columns of a file: which of them are kept, and what they are.
+struct Columns {
+  std::vector<std::size_t> kept;
+  std::vector<NamedField> fields;     ///< of the kept ones, as records of doubles
+  std::vector<bool> must_be_numbers;  ///< of the kept ones
 };
 
-/// Names for columns without any.
-class Guess {
- public:
-  void see(const double* row, std::size_t columns) {
-    for (std::size_t i = 3; i < std::min<std::size_t>(columns, kMaxUnnamed); ++i) {
-      looks_[i].bytes &= row[i] >= 0.0 && row[i] <= 255.0 && row[i] == std::floor(row[i]);
-      looks_[i].negative |= row[i] < 0.0;
-    }
-    if (columns < 6) return;
-    const double length = row[3] * row[3] + row[4] * row[4] + row[5] * row[5];
-    unit_ += std::abs(length - 1.0) < 0.01;
-    ++rows_;
+/// Columns that nobody reads are not kept.
+Result<Columns> columns_of(std::size_t count, const std::vector<std::string>& names,
+                           std::vector<std::string>& unread) {
+  // Each field gets the number of its column as its offset, to see which are read.
+  std::vector<NamedField> named;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    named.push_back({names[i], {i, 0, NumberType::float64}});
+  const RecordLayout layout = TRY(layout_of(named, unread));
+  std::vector<bool> keep(count, false), must_be_number(count, false);
+  const auto use = [&](const RecordField& field, bool number) {
+    if (field.offset >= keep.size()) return;
+    keep[field.offset] = true;
+    must_be_number[field.offset] = number;
+  };
+  for (const RecordField& field : layout.position) use(field, true);
+  for (const auto* vector : {&layout.normal, &layout.color}) {
+    if (!*vector) continue;
+    for (const RecordField& field : **vector) use(field, true);
   }
-
-  std::vector<std::string> names(std::size_t columns) const {
-    std::vector<std::string> names{"x", "y", "z"};
-    const auto add = [&names](std::initializer_list<const char*> more) {
-      names.insert(names.end(), more.begin(), more.end());
-    };
-    const auto bytes = [this](std::size_t at) {
-      return looks_[at].bytes && looks_[at + 1].bytes && looks_[at + 2].bytes;
-    };
-    const bool negative = looks_[3].negative || looks_[4].negative || looks_[5].negative;
-    if (columns == 4) add({"intensity"});
-    if (columns == 6 && (negative || unit_ * 10 > rows_ * 9)) {
-      add({"nx", "ny", "nz"});
-    } else if (columns == 7 && bytes(4) && !bytes(3)) {
-      add({"intensity", "r", "g", "b"});
-    } else if (columns == 6 || columns == 7 || columns == 9 || columns == 10) {
-      add({"r", "g", "b"});
-    }
-    if (columns >= 9 && columns <= 10) add({"nx", "ny", "nz"});
-    if (columns == 10 || (columns == 7 && names.size() == 6)) add({"intensity"});
-    for (std::size_t i = names.size(); i < columns; ++i) names.push_back(concat("column ", i + 1));
-    return names;
+  for (const RecordScalar& scalar : layout.scalars) use(scalar.field, false);
+  Columns columns;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!keep[i]) continue;
+    columns.kept.push_back(i);
+    columns.must_be_numbers.push_back(must_be_number[i]);
   }
+  const std::size_t size = columns.kept.size() * sizeof(double);
+  for (std::size_t i = 0; i < columns.kept.size(); ++i)
+    columns.fields.push_back(
+        {names[columns.kept[i]], {i * sizeof(double), size, NumberType::float64}});
+  return columns;
+}
 
- private:
-  std::array<Look, kMaxUnnamed> looks_{};
-  std::size_t unit_ = 0, rows_ = 0;
-};
+std::string join(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : " ") + printable(name);
+  return text;
+}
 
 }  // namespace
 
-Result<PointCloud> read_text_points(const ByteSource& source, std::vector<std::string>& unread) {
+std::vector<std::string> guess_text_columns(std::span<const ByteView> samples, bool pts) {
+  ColumnGuess guess;
+  std::size_t columns = 0;
+  bool unnamed = false;
+  std::vector<std::string> names;
+  for (const ByteView sample : samples) {
+    const std::string_view text = without_mark(text_of(sample));
+    Lines lines(text);
+    const Result<Head> head = read_head(lines);
+    // Reading the file says what is wrong.
+    if (!head || head->columns < 3) continue;
+    if (!head->names.empty()) {
+      if (names.empty()) names = head->names;
+      continue;
+    }
+    unnamed = true;
+    if (columns == 0) columns = head->columns;
+    if (head->columns != columns) continue;
+    pts |= head->count.has_value();
+    look(*head, lines, guess);
+  }
+  if (!unnamed) return {};
+  // Files that were divided have a header in the first alone.
+  if (names.size() == columns) {
+    // As --columns takes them.
+    for (std::string& name : names)
+      if (!is_scalar_name(name) || name.find(',') != std::string::npos) name = "_";
+    return names;
+  }
+  return guess.text_names(columns, pts);
+}
+
+Result<PointCloud> read_text_points(const ByteSource& source, const Reading& reading,
+                                    ReadNotes& notes) {
   Bytes room;
-  std::string_view text = text_of(TRY(source.all(room)));
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-  Lines lines(text);
-  const Head head = TRY(read_head(lines));
+  const ByteView bytes = TRY(source.all(room));
+  Lines lines(without_mark(text_of(bytes)));
+  Head head = TRY(read_head(lines));
   if (head.columns == 0) return fail("has no points");
   if (head.columns < 3) {
     return fail(concat("line ", lines.number() + 1, ": has ", head.columns,
                        " numbers, but a point has at least 3"));
   }
-
-  // Columns that nobody reads are not kept.
-  std::vector<NamedField> named;
-  for (const std::string& name : head.names) named.push_back({name, {}});
-  std::vector<bool> keep(head.columns, true), must_be_number(head.columns, false);
-  if (!named.empty()) {
-    // Each field gets the number of its column as its offset, to see which are read.
-    for (std::size_t i = 0; i < named.size(); ++i) named[i].field = {i, 0, NumberType::float64};
-    const RecordLayout layout = TRY(layout_of(named, unread));
-    // What is not read: the columns that are in no part of the layout.
-    std::fill(keep.begin(), keep.end(), false);
-    const auto use = [&](const RecordField& field, bool number) {
-      if (field.offset >= keep.size()) return;
-      keep[field.offset] = true;
-      must_be_number[field.offset] = number;
-    };
-    for (const RecordField& field : layout.position) use(field, true);
-    for (const auto* vector : {&layout.normal, &layout.color}) {
-      if (!*vector) continue;
-      for (const RecordField& field : **vector) use(field, true);
+  std::vector<std::string> names = head.names;
+  if (!reading.columns.empty()) {
+    names = reading.columns;
+    if (names.size() != head.columns) {
+      return fail(concat("line ", lines.number() + 1, ": has ", head.columns,
+                         " columns, but is to be read as ", join(names),
+                         "; --columns names them for all files"));
     }
-    for (const RecordScalar& scalar : layout.scalars) use(scalar.field, false);
-  } else {
-    std::fill(must_be_number.begin(), must_be_number.begin() + 3, true);
-    std::fill(keep.begin() + std::min<std::ptrdiff_t>(kMaxUnnamed, std::ssize(keep)), keep.end(),
-              false);
+  } else if (names.empty()) {
+    const auto sample = TRY(sample_of(source, CloudFormat::text));
+    const ByteView view = sample ? ByteView(*sample) : bytes;
+    names = guess_text_columns({&view, 1}, false);
+    if (names.size() != head.columns) names = ColumnGuess().text_names(head.columns, false);
   }
-  std::vector<std::size_t> kept;  // columns
-  for (std::size_t i = 0; i < head.columns; ++i)
-    if (keep[i]) kept.push_back(i);
+  const Columns columns = TRY(columns_of(head.columns, names, notes.unread));
+  const std::vector<std::size_t>& kept = columns.kept;
 
   std::vector<double> values;  // of the kept columns, row by row
-  Guess guess;
-  std::size_t rows = 0;
+  std::size_t rows = 0, longer = 0;
   for (std::string_view line; lines.next(line);) {
     if (trimmed(line).empty() || comment_of(line)) continue;
     Cells cells(line, head.separator);
@@ -253,45 +310,43 @@ Result<PointCloud> read_text_points(const ByteSource& source, std::vector<std::s
       if (column != kept[next]) continue;
       double value = 0.0;
       if (!parse_cell(word, head.separator, value)) {
-        value = std::numeric_limits<double>::quiet_NaN();
-        if (!must_be_number[column]) {
-          values.push_back(value);
-          ++next;
-          continue;
+        if (columns.must_be_numbers[next]) {
+          return fail(concat("line ", lines.number(), ": '", printable(word), "' in column ",
+                             column + 1, " is not a number"));
         }
-        return fail(concat("line ", lines.number(), ": '", printable(word), "' in column ",
-                           column + 1, " is not a number"));
+        value = std::numeric_limits<double>::quiet_NaN();
       }
       values.push_back(value);
       ++next;
     }
     if (next < kept.size()) {
+      // Scans that follow each other in a .pts file begin with their counts.
+      if (head.count && column == 1 && next == 1) {
+        *head.count += to_count(values.back());
+        values.pop_back();
+        continue;
+      }
       return fail(concat("line ", lines.number(), ": has ", column,
                          " columns, but the first point ", "has ", head.columns));
     }
-    guess.see(values.data() + rows * kept.size(), kept.size());
+    std::string_view more;
+    longer += column == head.columns && cells.next(more) && !comment_of(more);
     ++rows;
   }
-
-  if (named.empty()) {
-    for (const std::string& name : guess.names(head.columns)) named.push_back({name, {}});
+  if (longer > 0) {
+    notes.warnings.push_back(concat("has ", longer, " lines with more columns than the first ",
+                                    "point, which has ", head.columns, "; they are not read"));
   }
-  // The values are records of doubles, without the columns that were left out.
-  std::vector<NamedField> fields;
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    fields.push_back({named[kept[i]].name,
-                      {i * sizeof(double), kept.size() * sizeof(double), NumberType::float64}});
+  if (head.count && *head.count != rows) {
+    notes.warnings.push_back(
+        concat("says that it has ", *head.count, " points, but there are ", rows));
   }
-  std::vector<std::string> told;  // those of a header were told above
-  const RecordLayout layout = TRY(layout_of(fields, told));
-  if (head.names.empty()) {
-    unread.insert(unread.end(), told.begin(), told.end());
-    for (std::size_t i = kept.size(); i < head.columns; ++i)
-      unread.push_back(concat("column ", i + 1));
-  }
+  // The values are records of doubles.
+  std::vector<std::string> told;
+  const RecordLayout layout = TRY(layout_of(columns.fields, told));
   RecordCollector collector(layout, rows);
   collector.add(reinterpret_cast<const std::uint8_t*>(values.data()), 0, rows);
-  return collector.finish();
+  return collector.finish(notes);
 }
 
 }  // namespace pointreel

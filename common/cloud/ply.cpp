@@ -299,7 +299,7 @@ Result<PointCloud> read_body(Body body, const PlyHeader& header, std::size_t dat
       PlyCloudBuilder builder(element, roles, header.format,
                               std::min<std::uint64_t>(element.count, rows));
       TRY(body.read(element, roles, builder));
-      cloud = builder.finish();
+      cloud = builder.finish(notes);
       notes.unread = unread_of(element, roles);
     } else if (const Result<void> skipped = body.skip(declared); !skipped) {
       if (!cloud) return tl::unexpected(skipped.error());

@@ -16,11 +16,9 @@ namespace pointreel {
 /// "vertex" are read, under the names of attribute_names.h:
 ///   positions  x y z
 ///   normals    kept as they are, not normalised
-///   colours    uchar v becomes 257 v; ushort is kept, or read as uchar if none is above 255; float
-///              and double are clamped to 0..1, or to 0..255 if the largest is above 2 and no more
-///              than 255; NaN is 0; char is read as the uchar of the same bits; other integers are
-///              8-bit values, clamped. Else packed colours, or f_dc_0 f_dc_1 f_dc_2 of Gaussian
-///              splats, which are 0.5 + 0.2821 f
+///   colours    uchar v becomes 257 v, and char is read as the uchar of the same bits; in other
+///              types, full_color.h says what stands for full brightness. Else packed colours, or
+///              f_dc_0 f_dc_1 f_dc_2 of Gaussian splats, which are 0.5 + 0.2821 f
 ///   radii      radius
 ///   scalars    the first kMaxScalars of all other scalar properties whose names can be those of
 ///              scalar fields; in ascii, what is not a number is NaN. The shape of splats is none
@@ -41,7 +39,8 @@ namespace pointreel {
 /// Trust: the bytes may be hostile. Memory is at most a constant times bytes.size(), whatever the
 /// header declares, and time is linear in it.
 ///
-/// `notes`, unless null, receives the names of the vertices' scalar properties that are skipped.
+/// `notes`, unless null, receives the names of the vertices' scalar properties that are skipped,
+/// and may say what stands for full brightness.
 Result<PointCloud> read_ply(ByteView bytes, ReadNotes* notes = nullptr);
 
 /// True if floats hold the world coordinates of all finite points exactly.

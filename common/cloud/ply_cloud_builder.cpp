@@ -13,6 +13,7 @@
 #include "common/base/reserve_large.h"
 #include "common/base/spread.h"
 #include "common/cloud/attribute_names.h"
+#include "common/cloud/full_color.h"
 
 namespace pointreel {
 namespace {
@@ -78,14 +79,7 @@ void assign_scalars(const PlyElement& element, PlyRoles& properties) {
   }
 }
 
-/// Some writers store colours from 0 to 255 as floats or 16-bit integers. Such floats are known by
-/// the largest, which is in this range.
-constexpr double kLargestShare = 2.0, kLargestByte = 255.5;
-
-/// The values that stand for full brightness.
-struct FullBrightness {
-  double of_float = 1.0, of_uint16 = 65535.0;
-};
+bool is_byte(PlyType type) { return size_of(type) == 1; }
 
 /// Converts a colour component of eight bits to the range 0 to 65535. Ascii files may hold any
 /// number: it is clamped, and NaN becomes 0.
@@ -93,21 +87,10 @@ std::uint16_t byte_color(double v) {
   return static_cast<std::uint16_t>(257 * static_cast<int>(std::min(std::max(0.0, v), 255.0)));
 }
 
-/// Converts a colour component of the given type to the range 0 to 65535.
-std::uint16_t color_value(PlyType type, double v, const FullBrightness& full) {
-  if (!(v == v)) return 0;
-  switch (type) {
-    case PlyType::uint16:
-      return static_cast<std::uint16_t>(std::clamp(v / full.of_uint16, 0.0, 1.0) * 65535.0 + 0.5);
-    case PlyType::float32:
-    case PlyType::float64:
-      return static_cast<std::uint16_t>(std::clamp(v / full.of_float, 0.0, 1.0) * 65535.0 + 0.5);
-    case PlyType::int8:
-      if (v < 0.0) v += 256.0;
-      [[fallthrough]];
-    default:
-      return byte_color(v);
-  }
+/// Converts a colour component of the given type to the range 0 to 65535. `full`: full_color.h
+std::uint16_t color_value(PlyType type, double v, double full) {
+  if (!is_byte(type)) return color_of(v, full);
+  return byte_color(type == PlyType::int8 && v < 0.0 ? v + 256.0 : v);
 }
 
 /// Packed colours are whole numbers, or in ascii also the floats of the same bits.
@@ -306,8 +289,8 @@ void PlyCloudBuilder::append(const PlyBlock& block, std::size_t rows) {
   }
 }
 
-PointCloud PlyCloudBuilder::finish() {
-  if (has_colors_ && !byte_colors_) convert_colors();
+PointCloud PlyCloudBuilder::finish(ReadNotes& notes) {
+  if (has_colors_ && !byte_colors_) convert_colors(notes);
   cloud_.origin = choose_origin();
   if (!float_positions_) {
     extend(cloud_.positions, positions_.size(),
@@ -338,24 +321,19 @@ void PlyCloudBuilder::grow_box(const PlyBlock& block, std::size_t rows) {
   }
 }
 
-double PlyCloudBuilder::largest_color(bool (*of_type)(PlyType)) const {
-  double largest = 0.0;
-  for (const glm::vec3& color : colors_) {
-    for (int channel = 0; channel < 3; ++channel) {
-      if (of_type(color_types_[static_cast<std::size_t>(channel)]) && color[channel] > largest)
-        largest = color[channel];
+void PlyCloudBuilder::convert_colors(ReadNotes& notes) {
+  double full = 1.0, largest = 0.0;
+  bool floats = false, wide = false;
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    if (is_byte(color_types_[channel])) continue;
+    floats |= is_float(color_types_[channel]);
+    wide = true;
+    for (const glm::vec3& color : colors_) {
+      const float value = color[static_cast<glm::length_t>(channel)];
+      if (value > largest) largest = value;
     }
   }
-  return largest;
-}
-
-void PlyCloudBuilder::convert_colors() {
-  FullBrightness full;
-  const double largest_float = largest_color(is_float);
-  if (largest_float > kLargestShare && largest_float < kLargestByte) full.of_float = 255.0;
-  // Nobody stores 16 bits to keep colours that are all but black.
-  if (largest_color([](PlyType type) { return type == PlyType::uint16; }) <= 255.0)
-    full.of_uint16 = 255.0;
+  if (wide && !harmonic_colors_) full = choose_full_color(largest, floats, notes);
   extend(cloud_.colors, colors_.size(), [&](std::size_t i) {
     glm::u16vec3 color;
     for (int channel = 0; channel < 3; ++channel)

@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 
 #include "common/cloud/ply_header.h"
+#include "common/cloud/read_notes.h"
 #include "pointreel/cloud.h"
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
@@ -62,12 +63,11 @@ class PlyCloudBuilder {
                   std::size_t max_rows);
 
   void append(const PlyBlock& block, std::size_t rows);
-  PointCloud finish();
+  PointCloud finish(ReadNotes& notes);
 
  private:
   void grow_box(const PlyBlock& block, std::size_t rows);
-  double largest_color(bool (*of_type)(PlyType)) const;
-  void convert_colors();
+  void convert_colors(ReadNotes& notes);
   glm::dvec3 choose_origin() const;
 
   PointCloud cloud_;

@@ -13,10 +13,33 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
+ByteView view(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
 Result<PointCloud> read(const std::string& text, std::vector<std::string>* unread = nullptr) {
-  std::vector<std::string> ignored;
-  const ByteView bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-  return read_text_points(ByteSource(bytes), unread == nullptr ? ignored : *unread);
+  ReadNotes notes;
+  Result<PointCloud> cloud = read_text_points(ByteSource(view(text)), {}, notes);
+  if (unread != nullptr) *unread = notes.unread;
+  return cloud;
+}
+
+Result<PointCloud> read_as(const std::string& text, std::vector<std::string> columns,
+                           std::vector<std::string>* warnings = nullptr) {
+  ReadNotes notes;
+  Result<PointCloud> cloud =
+      read_text_points(ByteSource(view(text)), {std::move(columns), 0.0}, notes);
+  if (warnings != nullptr) *warnings = notes.warnings;
+  return cloud;
+}
+
+std::vector<std::string> guess(const std::vector<std::string>& texts, bool pts = false) {
+  const std::vector<ByteView> views = [&] {
+    std::vector<ByteView> all;
+    for (const std::string& text : texts) all.push_back(view(text));
+    return all;
+  }();
+  return guess_text_columns(views, pts);
 }
 
 std::string error_of(const std::string& text) {
@@ -31,7 +54,8 @@ TEST(TextPoints, numbers_may_be_separated_by_commas_semicolons_and_blanks) {
         "\"1\",\"2.5\",\"3\"\n4,5,6\n", "1 2.5 3\r4 5 6\r",
         "\xef\xbb\xbf"
         "1 2.5 3\n4 5 6\n",
-        "# a comment\n\n1 2.5 3\n// another\n4 5 6\n%\n", "2\n1 2.5 3\n4 5 6\n"}) {
+        "# a comment\n\n1 2.5 3\n// another\n4 5 6\n%\n", "2\n1 2.5 3\n4 5 6\n",
+        "1\t2,5\t3\n4\t5,0\t6\n", "1,0\t2,5\t3,00\n4\t5\t6\n", "1,0 2,5 3,0\n4,0 5,0 6,0\n"}) {
     const Result<PointCloud> cloud = read(text);
     ASSERT_TRUE(cloud) << text << cloud.error().message;
     ASSERT_EQ(cloud->size(), 2u) << text;
@@ -79,6 +103,51 @@ TEST(TextPoints, without_a_header_the_number_of_columns_decides) {
               ElementsAre(ScalarField{"column 4", {4}}, ScalarField{"column 5", {5}}));
 }
 
+TEST(TextPoints, columns_are_guessed_once_for_all_files) {
+  // Alone, the first would be read as colours and an intensity.
+  const std::string dark = "1 2 3 7 0 0 0\n", bright = "1 2 3 0.5 10 20 30\n";
+  EXPECT_THAT(guess({dark, bright}), ElementsAre("x", "y", "z", "intensity", "r", "g", "b"));
+  EXPECT_THAT(guess({"1 2 3 0 0 0\n", "1 2 3 0 0 -1\n"}),
+              ElementsAre("x", "y", "z", "nx", "ny", "nz"));
+  EXPECT_THAT(guess({"x y z r g b\n1 2 3 4 5 6\n", "1 2 3 0 0 -1\n"}),
+              ElementsAre("x", "y", "z", "r", "g", "b"));
+  EXPECT_THAT(guess({"x y z r g b\n1 2 3 4 5 6\n"}), IsEmpty());
+  EXPECT_THAT(guess({"not a point\n", ""}), IsEmpty());
+}
+
+TEST(TextPoints, columns_of_pts_files_have_an_order_of_their_own) {
+  const std::string bytes = "1 2 3 7 10 20 30\n";
+  EXPECT_THAT(guess({bytes}), ElementsAre("x", "y", "z", "r", "g", "b", "intensity"));
+  for (const auto& columns : {guess({bytes}, true), guess({"1\n" + bytes})})
+    EXPECT_THAT(columns, ElementsAre("x", "y", "z", "intensity", "r", "g", "b"));
+  EXPECT_THAT(guess({"1\n1 2 3 1 0 0\n"}), ElementsAre("x", "y", "z", "r", "g", "b"));
+}
+
+TEST(TextPoints, the_count_of_a_pts_file_is_compared_with_its_points) {
+  std::vector<std::string> warnings;
+  EXPECT_EQ(read_as("2\n1 2 3\n4 5 6\n", {"x", "y", "z"}, &warnings)->size(), 2u);
+  EXPECT_THAT(warnings, IsEmpty());
+  EXPECT_EQ(read_as("1\n1 2 3\n1\n4 5 6\n", {"x", "y", "z"}, &warnings)->size(), 2u);
+  EXPECT_THAT(warnings, IsEmpty());
+  EXPECT_EQ(read_as("3\n1 2 3\n4 5 6\n", {"x", "y", "z"}, &warnings)->size(), 2u);
+  EXPECT_THAT(warnings, ElementsAre("says that it has 3 points, but there are 2"));
+}
+
+TEST(TextPoints, given_columns_hold_and_must_be_as_many) {
+  const Result<PointCloud> cloud = read_as("1 2 3 4 5\n", {"y", "x", "_", "z", "time"});
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->world(0), glm::dvec3(2, 1, 4));
+  EXPECT_THAT(cloud->scalars, ElementsAre(ScalarField{"time", {5}}));
+  EXPECT_THAT(read_as("1 2 3 4 5\n", {"x", "y", "z"}).error().message,
+              HasSubstr("line 1: has 5 columns, but is to be read as x y z; --columns"));
+}
+
+TEST(TextPoints, columns_that_only_later_lines_have_are_a_warning) {
+  std::vector<std::string> warnings;
+  EXPECT_EQ(read_as("1 2 3\n4 5 6 7\n1 2 3 # 4\n", {"x", "y", "z"}, &warnings)->size(), 3u);
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("1 lines with more columns")));
+}
+
 TEST(TextPoints, colors_may_be_shares_bytes_or_words) {
   const auto color = [](const char* text) { return read(text)->colors.at(0); };
   EXPECT_EQ(color("x y z r g b\n1 2 3 1 0.5 0\n"), glm::u16vec3(65535, 32768, 0));
@@ -103,9 +172,9 @@ TEST(TextPoints, more_columns_than_anybody_reads_take_no_memory) {
   for (int i = 0; i < 5000; ++i) line += "1 ";
   std::vector<std::string> unread;
   const Result<PointCloud> cloud = read(line + "\n" + line + "\n", &unread);
-  EXPECT_EQ(cloud->scalars.size(), 7u);
-  EXPECT_THAT(unread, testing::Contains("column 11"));
   ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->scalars.size(), kMaxScalars);
+  EXPECT_THAT(unread, testing::Contains("column 12"));
   EXPECT_EQ(cloud->size(), 2u);
 }
 

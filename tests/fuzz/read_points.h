@@ -13,10 +13,10 @@ namespace pointreel::fuzz {
 
 /// Reading any bytes gives a cloud whose parts fit together, or an error in one line. Returns how
 /// many points there were.
-inline std::size_t read_points(ByteView bytes, CloudFormat format) {
+inline std::size_t read_points(ByteView bytes, CloudFormat format, const Reading& reading = {}) {
   const DecodeLimits limits{1u << 20, std::uint64_t{64} << 20};
   ReadNotes notes;
-  Result<PointCloud> cloud = read_points(ByteSource(bytes), format, limits, notes);
+  Result<PointCloud> cloud = read_points(ByteSource(bytes), format, limits, reading, notes);
   if (!cloud) {
     require(one_line(cloud.error().message));
     return 0;

@@ -21,7 +21,8 @@ CloudFormat format_of(ByteView begin, std::string_view) {
 
 bool has_empty_points(CloudFormat) { return false; }
 
-Result<LoadedCloud> read_cloud(ByteView bytes, CloudFormat format, const DecodeLimits& limits) {
+Result<LoadedCloud> read_cloud(ByteView bytes, CloudFormat format, const DecodeLimits& limits,
+                               const Reading&) {
   switch (format) {
     case CloudFormat::ply:
       return usable_cloud(TRY(read_ply(bytes)), format);

@@ -13,7 +13,7 @@ Result<DecodedFrame> decode_frame(const std::vector<Chunks<ByteView>>& layers,
 
 CloudFormat format_of(ByteView, std::string_view) { return CloudFormat::unknown; }
 
-Result<LoadedCloud> read_cloud(ByteView, CloudFormat, const DecodeLimits&) {
+Result<LoadedCloud> read_cloud(ByteView, CloudFormat, const DecodeLimits&, const Reading&) {
   return fail(ErrorCode::unsupported, "is a file, which needs the larger module");
 }
 

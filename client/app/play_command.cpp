@@ -180,6 +180,8 @@ void PlayCommand::add_sources(cli::Command command) {
       .type_name("AXIS")
       .group(group);
   add_topic_option(command, options_.topic).group(group);
+  for (const cli::Option option : add_reading_options(command, options_.reading))
+    option.group(group);
   for (const cli::Option option : add_placement_options(command, options_.placement))
     option.group(group);
 }

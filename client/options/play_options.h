@@ -39,6 +39,7 @@ struct PlayOptions {
   Placement placement;                    ///< of the points of files
   std::optional<double> fps;              ///< as in SourceOptions
   std::string topic;                      ///< as in SourceOptions
+  Reading reading;                        ///< as in SourceOptions
   std::optional<glm::ivec2> offscreen;    ///< draw pictures of this size, without a window
   std::optional<double> at;               ///< seconds
   std::optional<double> duration;         ///< seconds; of a reel drawn offscreen, of its own time

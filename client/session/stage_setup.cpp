@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/base/print.h"
 #include "common/base/words.h"
 
 namespace pointreel {
@@ -17,7 +18,9 @@ Stage::Options stage_options(const PlayOptions& options) {
   stage.size = options.picture_size();
   stage.source.fps = options.fps;
   stage.source.placement = options.placement;
+  stage.source.say = [](const std::string& line) { print_error(line); };
   stage.source.topic = options.topic;
+  stage.source.reading = options.reading;
   stage.source.token = options.token;
   stage.source.ca_file = options.ca_file;
   stage.source.endpoint = options.endpoint;

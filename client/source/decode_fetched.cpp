@@ -18,7 +18,7 @@ Result<DecodedFrame> decode_fetched(const FetchedFrame& fetched, DecodeLimits li
     const CloudFormat format = fetched.file_format == CloudFormat::unknown
                                    ? format_of(file, fetched.file_name)
                                    : fetched.file_format;
-    auto loaded = read_cloud(file, format, limits);
+    auto loaded = read_cloud(file, format, limits, fetched.reading ? *fetched.reading : Reading());
     if (!loaded) return fail_at(fetched.file_name, loaded.error());
     place(loaded->cloud, fetched.placement);
     DecodedFrame frame;

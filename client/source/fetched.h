@@ -8,6 +8,7 @@
 #include "client/source/shared_bytes.h"
 #include "codec/formats/cloud_format.h"
 #include "common/cloud/placement.h"
+#include "common/cloud/reading.h"
 #include "pointreel/bytes.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
@@ -47,6 +48,7 @@ struct FetchedFrame {
   SharedBytes file;                                ///< used if `layers` is empty
   std::string file_name;                           ///< of `file`, for errors and for its format
   CloudFormat file_format = CloudFormat::unknown;  ///< or else by its first bytes and its name
+  std::shared_ptr<const Reading> reading;          ///< of `file`; null: by the file alone
   Placement placement = {};                        ///< of the points of `file`
 
   std::uint64_t size() const;  ///< bytes that came

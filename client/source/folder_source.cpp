@@ -31,6 +31,7 @@ class FolderSource : public Source {
     fetched.file = std::move(bytes.bytes);
     fetched.file_format = bytes.format;
     fetched.file_name = frame.name();
+    fetched.reading = frame.reading;
     fetched.placement = placement_;
     return fetched;
   }
@@ -48,7 +49,12 @@ std::string name_of(const std::filesystem::path& path) {
 
 Result<std::unique_ptr<Source>> open_files(const std::vector<std::filesystem::path>& paths,
                                            std::string name, const SourceOptions& options) {
-  CloudSequence sequence = TRY(list_cloud_frames(paths, options.topic, options.max_memory));
+  CloudSequence sequence =
+      TRY(list_cloud_frames(paths, options.topic, options.max_memory, false, options.reading));
+  if (options.say) {
+    for (const std::string& line : sequence.warnings) options.say("warning: " + line);
+    for (const std::string& guess : sequence.guesses) options.say("read as " + guess);
+  }
   std::vector<CloudFrame>& files = sequence.frames;
   const bool recorded = !sequence.times_us.empty() && !options.fps;
   Manifest manifest;

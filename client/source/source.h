@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <stop_token>
 #include <string>
 
 #include "client/source/fetched.h"
+#include "common/cloud/reading.h"
 #include "common/http/http_options.h"
 #include "pointreel/bytes.h"
 #include "pointreel/codec.h"
@@ -60,7 +62,10 @@ struct SourceOptions : HttpOptions {  ///< token, ca_file and times are for WebS
   /// Of folders of files, which do not tell it; 30 if it is not given, and not for recordings.
   std::optional<double> fps = {};
   std::string topic = {};                   ///< of recordings that have several
+  Reading reading = {};                     ///< of files: what is not to be guessed
   Placement placement = {};                 ///< of the points of files
+  /// Receives lines about files: what is left out, and how they are read.
+  std::function<void(const std::string&)> say = {};
   bool sound = false;                       ///< live streams are asked for theirs: OnSound
   std::uint64_t max_memory = kFrameMemory;  ///< DecodeLimits::max_memory
 };

@@ -1,10 +1,15 @@
 #include "common/command_line/shared_options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <string_view>
 
+#include <fmt/ranges.h>
+
+#include "common/base/letter_case.h"
 #include "common/base/parse_double.h"
+#include "pointreel/cloud.h"
 
 namespace pointreel {
 
@@ -32,6 +37,58 @@ cli::Option add_topic_option(cli::Command command, std::string& topic) {
       .add_option("--topic", topic,
                   "which point clouds of an MCAP recording to take, if it has several topics")
       .type_name("NAME");
+}
+
+Result<std::vector<std::string>> parse_columns(const std::string& text) {
+  std::vector<std::string> columns;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const std::string name = text.substr(at, end - at);
+    if (name != "-" && name != "_" && !is_scalar_name(name)) {
+      return fail(ErrorCode::argument,
+                  fmt::format("\"{}\" in --columns is no name of a column", name));
+    }
+    columns.push_back(name == "-" ? "_" : name);
+    at = end + 1;
+  }
+  for (const char* axis : {"x", "y", "z"}) {
+    if (std::count_if(columns.begin(), columns.end(),
+                      [&](const std::string& name) { return equal_in_any_case(name, axis); }) == 1)
+      continue;
+    return fail(ErrorCode::argument,
+                fmt::format("\"{}\" does not have {} once, as in x,y,z,intensity", text, axis));
+  }
+  return columns;
+}
+
+std::vector<cli::Option> add_reading_options(cli::Command command, Reading& reading) {
+  const cli::Option columns =
+      command
+          .add_option_function<std::string>(
+              "--columns",
+              [&reading](const std::string& text) { reading.columns = *parse_columns(text); },
+              "what the columns of text are, or the floats of each point in .bin files, such as "
+              "x,y,z,intensity,r,g,b; - for one to skip (default: by the file's header, or by the "
+              "numbers in all files)")
+          .check(cli::parsed_by(parse_columns))
+          .type_name("NAMES");
+  const cli::Option color_max =
+      command
+          .add_option("--color-max", reading.full_color,
+                      "the number that is full brightness in colours of floats or of more than 8 "
+                      "bits: 1, 255 or 65535 (default: by the colours in some files)")
+          .check(cli::one_of({"1", "255", "65535"}))
+          .type_name("NUMBER");
+  return {columns, color_max};
+}
+
+std::vector<std::string> reading_arguments(const Reading& reading) {
+  std::vector<std::string> arguments;
+  if (!reading.columns.empty())
+    arguments.push_back(fmt::format("--columns={}", fmt::join(reading.columns, ",")));
+  if (reading.full_color != 0.0)
+    arguments.push_back(fmt::format("--color-max={}", reading.full_color));
+  return arguments;
 }
 
 std::vector<cli::Option> add_placement_options(cli::Command command, Placement& placement) {

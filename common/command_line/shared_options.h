@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "common/cloud/placement.h"
+#include "common/cloud/reading.h"
 #include "common/command_line/command.h"
 #include "pointreel/codec.h"
 #include "pointreel/error.h"
@@ -32,6 +33,15 @@ Result<glm::dvec3> parse_degrees(const std::string& text);
 
 /// --topic, for recordings of several.
 cli::Option add_topic_option(cli::Command command, std::string& topic);
+
+/// Names such as x,y,z,intensity or x,y,z,-,r,g,b, with x, y and z among them; "-" and "_" stand
+/// for columns to skip.
+Result<std::vector<std::string>> parse_columns(const std::string& text);
+
+/// --columns and --color-max, for files that do not tell it.
+std::vector<cli::Option> add_reading_options(cli::Command command, Reading& reading);
+/// What --columns and --color-max say, to be given to another command.
+std::vector<std::string> reading_arguments(const Reading& reading);
 
 /// --scale and --rotate, for files that were captured in other units or axes.
 std::vector<cli::Option> add_placement_options(cli::Command command, Placement& placement);

@@ -48,6 +48,7 @@ void PackArguments::add_to(cli::Command command) {
                 .required()
                 .type_name("FOLDER");
   add_topic_option(command, options_.topic);
+  add_reading_options(command, options_.reading);
   add_choice<bool>(command, "--cube", options_.cube_per_frame, {{"group", false}, {"frame", true}},
                    "one cube for all frames of a segment, so that the voxels of resting surfaces "
                    "do not move, or one for each frame");

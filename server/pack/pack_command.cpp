@@ -92,6 +92,7 @@ ordered_json to_json(const PackSummary& summary) {
   if (summary.recorded_fps) json["recorded_fps"] = *summary.recorded_fps;
   json["max_error"] = summary.max_error;
   json["late_frames"] = summary.late_frames;
+  json["read_as"] = summary.guesses;
   json["missing"] = {{"frames", summary.unreadable_frames}, {"parts", summary.lost_parts}};
   json["segments"] = ordered_json::array();
   for (const SegmentSummary& segment : summary.segments) {
@@ -149,6 +150,7 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
     print("  time            as recorded, {} frames per second by the median (--fps: evenly)\n",
           number_text(*summary.recorded_fps, 4));
   }
+  for (const std::string& guess : summary.guesses) print("  read as         {}\n", guess);
   if (summary.unreadable_frames + summary.lost_parts > 0) {
     print("  missing         {}{}\n",
           summary.unreadable_frames == 0 ? ""

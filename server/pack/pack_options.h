@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "codec/sequence/encoding_options.h"
+#include "common/cloud/reading.h"
 
 namespace pointreel {
 
@@ -15,6 +16,7 @@ struct PackOptions : EncodingOptions {
   std::vector<std::filesystem::path> inputs;  ///< folders and files, as list_cloud_files takes them
   std::filesystem::path output;
   std::string topic;  ///< of recordings that have several
+  Reading reading;    ///< what is not to be guessed of how the frames are read
   /// Take the axis that points up from the first file where its format tells it, instead of `up`.
   bool up_of_files = false;
   /// Take the times of frames from recordings, instead of `fps`.

@@ -47,6 +47,7 @@ class Packer {
     manifest_ = begin_manifest(options_, sequence_);
     output_ = {folder, manifest_.layer_names, listener.frame_done, listener.stop, {}};
     summary_.lost_parts = sequence_.lost_parts;
+    summary_.guesses = sequence_.guesses;
     if (has_times_of_files(options_, sequence_)) {
       if (!options_.keep_gaps) summary_.recorded_fps = options_.fps;
       output_.time_us = [this](std::size_t i) { return sequence_.times_us[i]; };
@@ -136,8 +137,8 @@ class Packer {
 Result<PackSummary> pack(const PackOptions& options, const PackListener& listener) {
   const Clock::time_point start = Clock::now();
   return in_arena(options.threads, [&]() -> Result<PackSummary> {
-    CloudSequence sequence = TRY(
-        list_cloud_frames(options.inputs, options.topic, ~std::uint64_t{0}, options.best_effort));
+    CloudSequence sequence = TRY(list_cloud_frames(options.inputs, options.topic, ~std::uint64_t{0},
+                                                   options.best_effort, options.reading));
     if (options.keep_gaps) sequence.keep_gaps(options.fps);
     OutputFolder folder = TRY(OutputFolder::create(
         options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));

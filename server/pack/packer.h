@@ -62,6 +62,7 @@ struct PackSummary {
   std::uint64_t late_frames = 0;        ///< frames that took longer than frame_time_ms
   std::uint32_t unreadable_frames = 0;  ///< in whose place others are shown
   std::size_t lost_parts = 0;           ///< of recordings
+  std::vector<std::string> guesses;     ///< CloudSequence::guesses
   std::vector<SegmentSummary> segments;
   double seconds = 0.0;
   std::vector<std::string> warnings;

@@ -155,7 +155,7 @@ class PartPacker {
     if (recording_ == nullptr || planned.path != recording_path_) {
       TRY(check_unchanged(planned));
       recording_ = TRY(list_cloud_frames({planned.path}, options_.topic, ~std::uint64_t{0},
-                                         options_.best_effort))
+                                         options_.best_effort, options_.reading))
                        .frames.front()
                        .recording;
       recording_path_ = planned.path;
@@ -172,6 +172,7 @@ class PartPacker {
     std::vector<CloudFrame> frames;
     for (const PlannedFrame& planned : plan_.frames_of(segment)) {
       CloudFrame& frame = frames.emplace_back(cloud_frame(planned));
+      frame.reading = reading_;
       if (planned.index) {
         frame.recording = TRY(recording_of(planned));
       } else {
@@ -210,6 +211,7 @@ class PartPacker {
 
   const PackPlan& plan_;
   PackOptions options_;
+  const std::shared_ptr<const Reading> reading_ = std::make_shared<Reading>(options_.reading);
   const PackListener& listener_;
   const fs::path folder_;
   const CloudSequence sequence_;                ///< of the whole plan, with no recording open

@@ -51,6 +51,7 @@ int run_plan(const PackArguments& arguments) {
   for (const std::string& line : made->warnings) print_error("warning: " + line);
   print("{}: {} in {}\n", parts_folder(options->output).string(), counted(made->frames, "frame"),
         counted(made->segments, "segment"));
+  for (const std::string& guess : made->guesses) print("  read as         {}\n", guess);
   if (made->learnt && made->learnt->bytes > 0)
     print("  tables          learnt from {}\n", counted(made->learnt->samples, "frame"));
   print("  next            pack part I/N -o {} for each I from 1 to N, then pack join -o {}\n",

@@ -17,6 +17,7 @@
 #include "common/base/print.h"
 #include "common/base/try.h"
 #include "common/base/write_file.h"
+#include "common/command_line/shared_options.h"
 #include "pointreel/version.h"
 #include "server/pack/audio.h"
 #include "server/pack/in_arena.h"
@@ -140,6 +141,13 @@ Result<std::vector<PlannedFrame>> planned(const std::vector<CloudFrame>& frames)
   return planned;
 }
 
+/// What was not asked for.
+Reading guessed(Reading reading, const Reading& asked) {
+  if (!asked.columns.empty()) reading.columns.clear();
+  if (asked.full_color != 0.0) reading.full_color = 0.0;
+  return reading;
+}
+
 }  // namespace
 
 std::span<const PlannedFrame> PackPlan::frames_of(std::uint32_t segment) const {
@@ -188,12 +196,14 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
   }
   PackOptions options = asked;
   if (options.name.empty()) options.name = default_reel_name(options.output);
-  CloudSequence sequence =
-      TRY(list_cloud_frames(options.inputs, options.topic, ~std::uint64_t{0}, options.best_effort));
+  CloudSequence sequence = TRY(list_cloud_frames(options.inputs, options.topic, ~std::uint64_t{0},
+                                                 options.best_effort, options.reading));
   if (options.keep_gaps) sequence.keep_gaps(options.fps);
   const std::vector<CloudFrame>& frames = sequence.frames;
   PackPlan plan;
   plan.arguments = std::move(arguments);
+  for (std::string& argument : reading_arguments(guessed(sequence.reading, options.reading)))
+    plan.arguments.push_back(std::move(argument));
   plan.name = options.name;
   plan.up = up_of_frame(frames.front());
   plan.segment_frames = options.segment_frames;
@@ -208,8 +218,11 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
   TRY(check_output(options));
   const fs::path folder = parts_folder(options.output);
   TRY(make_folder(folder, options.force));
-  MadePlan made{
-      static_cast<std::uint32_t>(frames.size()), plan.segments(), {}, std::move(sequence.warnings)};
+  MadePlan made{static_cast<std::uint32_t>(frames.size()),
+                plan.segments(),
+                {},
+                std::move(sequence.warnings),
+                std::move(sequence.guesses)};
   const auto complete = [&]() -> Result<void> {
     if (options.train) {
       const PackageTables tables = TRY(in_arena(

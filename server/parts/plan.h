@@ -36,8 +36,9 @@ Result<std::uint64_t> bytes_of_source(const std::filesystem::path& path);
 
 /// What `plan.json` says.
 struct PackPlan {
-  /// The options of `pack` as PackArguments::command_line gives them. Each part parses them
-  /// again, so that an option that is added to `pack` holds for parts as well.
+  /// The options of `pack` as PackArguments::command_line gives them, and what was guessed of how
+  /// the frames are read. Each part parses them again, so that an option that is added to `pack`
+  /// holds for parts as well.
   std::vector<std::string> arguments;
   std::string name;                   ///< of the reel
   std::optional<char> up;             ///< the axis, where the first frame tells it
@@ -66,6 +67,7 @@ struct MadePlan {
   std::uint32_t frames = 0, segments = 0;
   std::optional<LearntTables> learnt;  ///< with PackOptions::train
   std::vector<std::string> warnings;   ///< CloudSequence::warnings
+  std::vector<std::string> guesses;    ///< CloudSequence::guesses
 };
 
 /// Lists the input frames, learns context tables if that is asked for, and writes the plan.

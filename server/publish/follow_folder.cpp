@@ -24,8 +24,11 @@ bool is_link(const fs::path& path) {
 
 class FolderFollower : public FrameInput {
  public:
-  FolderFollower(fs::path folder, int watch, LiveClock clock)
-      : folder_(std::move(folder)), watch_(watch), clock_(std::move(clock)) {
+  FolderFollower(fs::path folder, int watch, LiveClock clock, Reading asked)
+      : folder_(std::move(folder)),
+        watch_(watch),
+        clock_(std::move(clock)),
+        reading_(std::move(asked)) {
     std::error_code ignored;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
       const std::string name = entry.path().filename().string();
@@ -46,7 +49,7 @@ class FolderFollower : public FrameInput {
     }
     const fs::path file = folder_ / std::exchange(newest_, {});
     const std::uint64_t now = clock_.now_us();
-    return InputFrame{file.string(), now, read_cloud_file(file)};
+    return InputFrame{file.string(), now, read_next_cloud_file(file, reading_)};
   }
 
   std::uint64_t skipped() const override { return skipped_; }
@@ -83,6 +86,7 @@ class FolderFollower : public FrameInput {
   const fs::path folder_;
   const int watch_;
   const LiveClock clock_;
+  Reading reading_;
   std::string newest_;  ///< not taken yet; empty if there is none
   std::uint64_t skipped_ = 0;
   bool sure_names_ = false;  ///< there was a file that is clearly of points
@@ -91,7 +95,8 @@ class FolderFollower : public FrameInput {
 
 }  // namespace
 
-Result<std::unique_ptr<FrameInput>> follow_folder(const fs::path& folder, LiveClock clock) {
+Result<std::unique_ptr<FrameInput>> follow_folder(const fs::path& folder, LiveClock clock,
+                                                  Reading asked) {
   const int watch = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
   if (watch < 0 || ::inotify_add_watch(watch, folder.c_str(),
                                        IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE | IN_DELETE_SELF |
@@ -100,7 +105,7 @@ Result<std::unique_ptr<FrameInput>> follow_folder(const fs::path& folder, LiveCl
     if (watch >= 0) ::close(watch);
     return fail(ErrorCode::io, fmt::format("{}: cannot be followed: {}", folder.string(), message));
   }
-  return std::make_unique<FolderFollower>(folder, watch, std::move(clock));
+  return std::make_unique<FolderFollower>(folder, watch, std::move(clock), std::move(asked));
 }
 
 }  // namespace pointreel

@@ -47,16 +47,19 @@ std::unique_ptr<FrameInput> play_files(CloudSequence sequence, double fps, bool 
                                        LiveClock clock = LiveClock::system());
 
 /// The newest file of points in the folder, if there is one, and then each file that is added by
-/// closing, renaming or linking it. Ends with an error if the folder itself is removed or renamed.
+/// closing, renaming or linking it. All are read like the first (`asked`: what is not to be guessed
+/// of that). Ends with an error if the folder itself is removed or renamed.
 Result<std::unique_ptr<FrameInput>> follow_folder(const std::filesystem::path& folder,
-                                                  LiveClock clock = LiveClock::system());
+                                                  LiveClock clock = LiveClock::system(),
+                                                  Reading asked = {});
 
 /// Reads a pipe. Each frame is its size in four bytes, little endian, and then a file of that
 /// size, of a format that is recognised by its first bytes. Its time of capture is when its last
-/// byte was read. The descriptor is not closed.
+/// byte was read. All are read like the first. The descriptor is not closed.
 ///
 /// Trust: memory grows only with the bytes that have arrived, up to kMaxInputFrame.
-std::unique_ptr<FrameInput> read_pipe(int descriptor, LiveClock clock = LiveClock::system());
+std::unique_ptr<FrameInput> read_pipe(int descriptor, LiveClock clock = LiveClock::system(),
+                                      Reading asked = {});
 
 inline constexpr std::uint32_t kMaxInputFrame = 1u << 30;
 

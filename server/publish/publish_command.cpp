@@ -29,6 +29,7 @@ namespace fs = std::filesystem;
 struct PublishArguments {
   std::string input, to, token, ca_file, topic, sound;
   bool loop = false, follow = false, json = false;
+  Reading reading;
   cli::Option token_option;
   SequenceArguments sequence;
 };
@@ -56,10 +57,14 @@ Result<PublishOptions> make_options(const PublishArguments& arguments) {
 /// Opens the input, and takes from its files what the options leave to them.
 Result<std::unique_ptr<FrameInput>> open_input(const PublishArguments& arguments,
                                                PublishOptions& options) {
-  if (arguments.input == "-") return read_pipe(STDIN_FILENO);
-  if (arguments.follow) return follow_folder(arguments.input);
-  CloudSequence sequence = TRY(list_cloud_frames({fs::path(arguments.input)}, arguments.topic));
+  if (arguments.input == "-")
+    return read_pipe(STDIN_FILENO, LiveClock::system(), arguments.reading);
+  if (arguments.follow)
+    return follow_folder(arguments.input, LiveClock::system(), arguments.reading);
+  CloudSequence sequence = TRY(list_cloud_frames({fs::path(arguments.input)}, arguments.topic,
+                                                 ~std::uint64_t{0}, false, arguments.reading));
   for (const std::string& line : sequence.warnings) print_error("warning: " + line);
+  for (const std::string& guess : sequence.guesses) print_error("read as " + guess);
   if (!arguments.sequence.times_of_files()) sequence.times_us.clear();
   if (!sequence.times_us.empty()) options.fps = std::clamp(sequence.fps, kMinFps, kMaxFps);
   if (arguments.sequence.up_of_files())
@@ -160,6 +165,7 @@ void add_publish_command(cli::Command app, int& exit_code) {
       .required()
       .type_name("FOLDER|-");
   add_topic_option(command, a.topic);
+  add_reading_options(command, a.reading);
   command.add_option("--to", a.to, "where to publish: ws://HOST:PORT/live/NAME, or wss://")
       .required()
       .type_name("URL");

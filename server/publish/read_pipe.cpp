@@ -23,7 +23,8 @@ constexpr std::size_t kFirstPiece = 1u << 20;
 
 class PipeReader : public FrameInput {
  public:
-  PipeReader(int descriptor, LiveClock clock) : descriptor_(descriptor), clock_(std::move(clock)) {}
+  PipeReader(int descriptor, LiveClock clock, Reading asked)
+      : descriptor_(descriptor), clock_(std::move(clock)), reading_(std::move(asked)) {}
 
   Result<std::optional<InputFrame>> next(const std::stop_token& stop) override {
     if (!reader_.joinable()) reader_ = std::jthread([this](std::stop_token s) { read(s); });
@@ -33,8 +34,12 @@ class PipeReader : public FrameInput {
       const Raw raw = *std::exchange(newest_, std::nullopt);
       lock.unlock();
       InputFrame frame{fmt::format("frame {} of standard input", raw.number), raw.capture_us,
-                       read_cloud(raw.bytes)};
-      if (!frame.cloud) frame.cloud = fail_at(frame.name, frame.cloud.error());
+                       read_cloud(raw.bytes, kOwnFiles, reading_)};
+      if (!frame.cloud) {
+        frame.cloud = fail_at(frame.name, frame.cloud.error());
+      } else if (reading_.full_color == 0.0) {
+        reading_.full_color = frame.cloud->full_color;
+      }
       return frame;
     }
     if (error_) return tl::unexpected(*error_);
@@ -108,6 +113,7 @@ class PipeReader : public FrameInput {
 
   const int descriptor_;
   const LiveClock clock_;
+  Reading reading_;
   std::mutex mutex_;  // guards what follows
   std::condition_variable_any changed_;
   std::optional<Raw> newest_;
@@ -119,8 +125,8 @@ class PipeReader : public FrameInput {
 
 }  // namespace
 
-std::unique_ptr<FrameInput> read_pipe(int descriptor, LiveClock clock) {
-  return std::make_unique<PipeReader>(descriptor, std::move(clock));
+std::unique_ptr<FrameInput> read_pipe(int descriptor, LiveClock clock, Reading asked) {
+  return std::make_unique<PipeReader>(descriptor, std::move(clock), std::move(asked));
 }
 
 }  // namespace pointreel

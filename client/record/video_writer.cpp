@@ -7,20 +7,31 @@
 #include <cstring>
 #include <filesystem>
 #include <initializer_list>
+#include <map>
 #include <utility>
 #include <vector>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include "client/record/matroska.h"
 #include "common/base/ffmpeg.h"
+#include "common/base/ffprobe.h"
 #include "common/base/try.h"
+#include "common/base/words.h"
 #include "pointreel/package.h"
 
 namespace pointreel {
 namespace {
+
+/// A track of a video that was written.
+struct Track {
+  bool is_video = false;
+  std::uint64_t packets = 0;
+  double end_s = 0.0;
+};
 
 /// ffmpeg's name for the container of a file; empty for other files.
 std::string format_of(const std::string& path) {
@@ -84,8 +95,9 @@ tl::unexpected<Error> missing(const std::string& program) {
 bool is_video(const std::string& path) { return !format_of(path).empty(); }
 
 Result<void> find_ffmpeg(const std::string& program) {
-  if (is_installed(program)) return {};
-  return missing(program);
+  for (const std::string& needed : {program, std::string("ffprobe")})
+    if (!is_installed(needed)) return missing(needed);
+  return {};
 }
 
 Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const std::string& path, glm::ivec2 size,
@@ -144,6 +156,7 @@ Result<void> VideoWriter::add(const Image& picture, std::uint64_t time_us) {
   const std::size_t bytes = picture.pixels.size() * sizeof(picture.pixels[0]);
   const std::string head = matroska_picture_head(time_us, bytes);
   if (!send(head.data(), head.size()) || !send(picture.pixels.data(), bytes)) return died();
+  ++pictures_;
   return {};
 }
 
@@ -157,8 +170,66 @@ Result<void> VideoWriter::finish(std::uint64_t end_us) {
     return fail_at(path_ + ": was not recorded: sound", sounded.error());
   }
   if (!wait()) return died();
+  if (const Result<void> whole = check(end_us); !whole) {
+    std::remove(part().c_str());
+    return tl::unexpected(whole.error());
+  }
   if (std::rename(part().c_str(), path_.c_str()) == 0) return {};
-  return fail(ErrorCode::io, fmt::format("{}: cannot be written: {}", path_, std::strerror(errno)));
+  const int error = errno;
+  std::remove(part().c_str());
+  return fail(ErrorCode::io, fmt::format("{}: cannot be written: {}", path_, std::strerror(error)));
+}
+
+Result<void> VideoWriter::check(std::uint64_t end_us) const {
+  // A disk, above all a distant one, may be found to be full only now.
+  const int file = open(part().c_str(), O_RDONLY | O_CLOEXEC);
+  const bool stored = file >= 0 && fsync(file) == 0;
+  const int error = errno;
+  if (file >= 0) close(file);
+  if (!stored) return failed(std::strerror(error));
+  std::map<int, Track> tracks;
+  std::string duration;
+  const auto probed = run_ffprobe(
+      {"-protocol_whitelist", "file", "-show_entries",
+       "packet=stream_index,pts_time,duration_time:stream=index,codec_type:format=duration",
+       "file:" + part()},
+      [&](ProbeLine line) -> Result<void> {
+        if (line.is("packet|")) {
+          Track& track = tracks[line.number<int>("stream_index")];
+          ++track.packets;
+          track.end_s = std::max(
+              track.end_s, line.number<double>("pts_time") + line.number<double>("duration_time"));
+        } else if (line.is("stream|")) {
+          tracks[line.number<int>("index")].is_video = line.value("codec_type") == "video";
+        } else if (line.is("format|")) {
+          duration = line.value("duration");
+        }
+        return {};
+      });
+  if (!probed) return failed(probed.error().message);
+  const Track none;
+  const auto track = [&](bool is_video) -> const Track& {
+    const auto found = std::find_if(tracks.begin(), tracks.end(), [&](const auto& each) {
+      return each.second.is_video == is_video;
+    });
+    return found == tracks.end() ? none : found->second;
+  };
+  if (const std::uint64_t got = track(true).packets; got != pictures_)
+    return failed(fmt::format("{} of {} are in the file", got, counted(pictures_, "picture")));
+  constexpr double kSoundFrame = 0.03;
+  const double end_s = 1e-6 * static_cast<double>(end_us);
+  if (sound_ && track(false).end_s + kSoundFrame < end_s)
+    return failed(
+        fmt::format("{:.2f} of {:.2f} s of sound are in the file", track(false).end_s, end_s));
+  // ffmpeg writes the duration at the end.
+  if (duration.empty() || duration == "N/A") return failed("the file has no end");
+  return {};
+}
+
+tl::unexpected<Error> VideoWriter::failed(const std::string& why) const {
+  const std::string said = ffmpeg_->reason();
+  return fail(ErrorCode::io, fmt::format("{}: was not recorded: {}", path_,
+                                         said.empty() ? why : said + "; " + why));
 }
 
 bool VideoWriter::send(const void* bytes, std::size_t size) const {

@@ -16,7 +16,7 @@ namespace pointreel {
 /// Whether the name ends with .mp4, .mkv or .webm.
 bool is_video(const std::string& path);
 
-/// Fails with ErrorCode::not_found if ffmpeg is not installed.
+/// Fails with ErrorCode::not_found if ffmpeg, or the ffprobe that comes with it, is not installed.
 Result<void> find_ffmpeg(const std::string& program = "ffmpeg");
 
 /// Lets ffmpeg write a video: H.264 at a quality that looks lossless, or VP9 in .webm. Colours are
@@ -28,8 +28,10 @@ Result<void> find_ffmpeg(const std::string& program = "ffmpeg");
 /// Sound begins with the first picture and ends with the last one, to the sample; it is AAC in
 /// .mp4, which ends in up to 21 ms of silence more, and Opus elsewhere.
 ///
-/// Until the video is finished, its file has the additional extension .part. ffmpeg runs in a
-/// process group of its own, so that a Ctrl+C for the player does not cut off the recording.
+/// Until the video is finished, its file has the additional extension .part. It gets its name once
+/// ffprobe has found all pictures and the whole sound in it: on a full disk, ffmpeg goes on and
+/// ends well. ffmpeg runs in a process group of its own, so that a Ctrl+C for the player does not
+/// cut off the recording.
 class VideoWriter : public Recorder {
  public:
   /// Starts ffmpeg for pictures of this size, at least 2x2. `program` is found as by a shell. Fails
@@ -55,8 +57,11 @@ class VideoWriter : public Recorder {
                      std::optional<RecordedSound> sound, const std::string& program);
   /// Returns false if ffmpeg has ended.
   bool send(const void* bytes, std::size_t size) const;
-  /// Lets ffmpeg end, and says whether all went well.
+  /// Lets ffmpeg end, and says whether it says that all went well.
   bool wait();
+  /// Whether the file is whole. `end_us`: when the sound ends.
+  Result<void> check(std::uint64_t end_us) const;
+  tl::unexpected<Error> failed(const std::string& why) const;
   tl::unexpected<Error> died();
 
   const std::string path_;
@@ -64,6 +69,7 @@ class VideoWriter : public Recorder {
   int input_ = -1;  ///< a socket to ffmpeg's standard input
   std::optional<Ffmpeg> ffmpeg_;
   std::optional<AudioFeed> sound_;
+  std::uint64_t pictures_ = 0;
   std::optional<std::uint64_t> last_time_us_;
 };
 

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "common/audio/opus_reader.h"
+#include "common/audio/sound_file.h"
 #include "common/base/ffmpeg.h"
 #include "common/base/output_folder.h"
 #include "common/base/try.h"
@@ -26,18 +27,16 @@ namespace pointreel {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kMissing =
-    "ffmpeg is not installed, but sound needs it: install it (apt-get install ffmpeg)";
-
 std::vector<std::string> arguments(const fs::path& source, std::uint64_t duration_us) {
-  return {// A playlist must not make it fetch from elsewhere.
-          "-protocol_whitelist", "file", "-i", "file:" + source.string(), "-map", "0:a:0",
-          "-map_metadata", "-1",
-          // Sound that begins after the picture of a video stays there.
-          "-af", fmt::format("aresample={}:async=1:first_pts=0", kAudioRate), "-ac", "2", "-t",
-          fmt::format("{}us", duration_us), "-c:a", "libopus", "-b:a", "128k",
-          // The same bytes for the same sound.
-          "-fflags", "+bitexact", "-flags:a", "+bitexact", "-f", "ogg", "pipe:1"};
+  std::vector<std::string> all = sound_input(source);
+  all.insert(all.end(),
+             {"-map", "0:a:0", "-map_metadata", "-1",
+              // Sound that begins after the picture of a video stays there.
+              "-af", fmt::format("aresample={}:async=1:first_pts=0", kAudioRate), "-ac", "2", "-t",
+              fmt::format("{}us", duration_us), "-c:a", "libopus", "-b:a", "128k",
+              // The same bytes for the same sound.
+              "-fflags", "+bitexact", "-flags:a", "+bitexact", "-f", "ogg", "pipe:1"});
+  return all;
 }
 
 /// An open file, closed with its owner.
@@ -75,8 +74,13 @@ Result<Bytes> read_all(int pipe, const std::stop_token& stop) {
   }
 }
 
-Result<Bytes> encode(const fs::path& source, std::uint64_t duration_us,
-                     const std::stop_token& stop) {
+struct Encoded {
+  Bytes bytes;
+  std::string said;  ///< by ffmpeg, in one line; empty if it found nothing wrong
+};
+
+Result<Encoded> encode(const fs::path& source, std::uint64_t duration_us,
+                       const std::stop_token& stop) {
   std::array<int, 2> ends{-1, -1};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return fail(ErrorCode::io, std::strerror(errno));
   const Descriptor output(ends[0]);
@@ -84,16 +88,16 @@ Result<Bytes> encode(const fs::path& source, std::uint64_t duration_us,
   Ffmpeg ffmpeg = TRY(Ffmpeg::start(arguments(source, duration_us), {.output = input.get()}));
   input.close();
   Bytes bytes = TRY(read_all(output.get(), stop));
-  if (ffmpeg.wait()) return bytes;
-  std::string why = ffmpeg.reason();
-  if (why.find("matches no streams") != std::string::npos) why = "it has no sound";
-  return fail(fmt::format("cannot be read as sound{}{}", why.empty() ? "" : ": ", why));
+  const bool ended_well = ffmpeg.wait();
+  std::string said = ffmpeg.reason();
+  if (!ended_well) return tl::unexpected(unreadable_sound(said));
+  return Encoded{std::move(bytes), std::move(said)};
 }
 
 }  // namespace
 
 Result<void> check_audio_source(const fs::path& source) {
-  if (!is_installed("ffmpeg")) return fail(ErrorCode::not_found, kMissing);
+  if (!is_installed("ffmpeg")) return fail(ErrorCode::not_found, kSoundNeedsFfmpeg);
   std::error_code error;
   if (!fs::is_regular_file(source, error) || access(source.c_str(), R_OK) != 0)
     return fail(ErrorCode::not_found, source.string() + ": is not a file that can be read");
@@ -101,14 +105,19 @@ Result<void> check_audio_source(const fs::path& source) {
 }
 
 Result<AudioFile> write_audio(const fs::path& source, const fs::path& folder,
-                              std::uint64_t duration_us, const std::stop_token& stop) {
+                              std::uint64_t duration_us, const std::stop_token& stop,
+                              const OnWarning& warn) {
   TRY(check_audio_source(source));
+  const SoundEnd end = TRY(at_place(source.string(), find_sound_end(source, duration_us)));
   const auto encoded = encode(source, duration_us, stop);
   if (!encoded && encoded.error().code == ErrorCode::cancelled)
     return tl::unexpected(encoded.error());
-  const Bytes bytes = TRY(at_place(source.string(), encoded));
+  const auto [bytes, said] = TRY(at_place(source.string(), encoded));
   AudioFile audio;
   audio.samples = TRY(at_place(source.string(), OpusReader::open(bytes))).samples();
+  TRY(at_place(source.string(),
+               end.check(audio.samples * 1'000'000 / kAudioRate, duration_us, said)));
+  if (!said.empty() && warn) warn(fmt::format("{}: {}", source.string(), said));
   audio.bytes = bytes.size();
   audio.checksum = checksum_of(bytes);
   audio.path = fmt::format("audio.{:08x}.opus", audio.checksum >> 32);
@@ -118,14 +127,14 @@ Result<AudioFile> write_audio(const fs::path& source, const fs::path& folder,
 
 Result<std::optional<AudioFile>> replace_audio(const fs::path& package,
                                                const std::optional<fs::path>& source,
-                                               const std::stop_token& stop) {
+                                               const std::stop_token& stop, const OnWarning& warn) {
   Manifest manifest = TRY(read_manifest(package));
   if (manifest.live)
     return fail(ErrorCode::argument,
                 package.string() + ": is a recording that has not ended; wait for its end");
   const std::optional<AudioFile> before = manifest.audio;
   manifest.audio.reset();
-  if (source) manifest.audio = TRY(write_audio(*source, package, manifest.duration_us, stop));
+  if (source) manifest.audio = TRY(write_audio(*source, package, manifest.duration_us, stop, warn));
   const std::string text = write_manifest(manifest);
   TRY(at_place("the package would not be valid", parse_manifest(text)));
   const fs::path fresh = package / fmt::format("{}.new", kManifestName);

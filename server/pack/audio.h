@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <stop_token>
+#include <string>
 
 #include "pointreel/error.h"
 #include "pointreel/package.h"
@@ -18,19 +20,25 @@ inline constexpr const char* kUnpackedAudio = "audio.opus";
 /// Whether ffmpeg is there to read the file, and the file too. Errors: `not_found`.
 Result<void> check_audio_source(const std::filesystem::path& source);
 
+/// Gets a line, which begins with the source, if ffmpeg found something wrong but all the sound is
+/// there.
+using OnWarning = std::function<void(const std::string& line)>;
+
 /// Encodes the first sound track of a file, as stereo, and writes it into a package's folder, under
 /// a name of its own. What lies beyond `duration_us` is left out. Errors begin with the source, or
-/// with the file that cannot be written.
+/// with the file that cannot be written; a source that is cut off, or so damaged that its sound
+/// would be shorter, is one.
 Result<AudioFile> write_audio(const std::filesystem::path& source,
                               const std::filesystem::path& folder, std::uint64_t duration_us,
-                              const std::stop_token& stop = {});
+                              const std::stop_token& stop = {}, const OnWarning& warn = {});
 
 /// Gives a package sound, in place of the sound that it has, or takes it away if there is no
 /// source. The package is valid at any moment. Errors as above, those of read_manifest, and
 /// `argument` for a recording that has not ended.
 Result<std::optional<AudioFile>> replace_audio(const std::filesystem::path& package,
                                                const std::optional<std::filesystem::path>& source,
-                                               const std::stop_token& stop = {});
+                                               const std::stop_token& stop = {},
+                                               const OnWarning& warn = {});
 
 /// Decodes the sound of a package in full, and compares it with the manifest. Its size and checksum
 /// are not looked at.

@@ -23,7 +23,9 @@ int run_audio(const AudioArguments& arguments) {
   std::optional<std::filesystem::path> source;
   if (!arguments.remove) source = arguments.source;
   const StopSignal stop;
-  const auto audio = replace_audio(arguments.reel, source, stop.token());
+  const auto audio =
+      replace_audio(arguments.reel, source, stop.token(),
+                    [](const std::string& line) { print_error("warning: " + line); });
   if (!audio) {
     print_error(audio.error().message);
     return audio.error().code == ErrorCode::not_found ? kExitUsage : kExitFailed;

@@ -62,7 +62,8 @@ class Packer {
     for (const std::string& line : sequence_.warnings) warn(line);
     if (options_.audio) {
       manifest_.audio =
-          TRY(write_audio(*options_.audio, output_.folder, manifest_.duration_us, listener_.stop));
+          TRY(write_audio(*options_.audio, output_.folder, manifest_.duration_us, listener_.stop,
+                          [this](const std::string& line) { warn(line); }));
     }
     if (options_.train) {
       const PackageTables tables =

@@ -89,9 +89,12 @@ Result<JoinReport> join_parts(const fs::path& output) {
       OutputFolder::create(output, plan.force ? may_replace_package : OutputFolder::MayReplace{}));
   for (const PackageFile* file : manifest.files())
     TRY(put(parts / file->path, folder.path() / file->path, *file));
-  if (plan.audio)
-    manifest.audio = TRY(write_audio(*plan.audio, folder.path(), manifest.duration_us));
   JoinReport report{manifest.frame_count(), plan.segments(), 0};
+  if (plan.audio) {
+    manifest.audio =
+        TRY(write_audio(*plan.audio, folder.path(), manifest.duration_us, {},
+                        [&](const std::string& line) { report.warnings.push_back(line); }));
+  }
   report.bytes = TRY(finish_package(folder.path(), manifest, output));
   for (const PackageFile* file : manifest.files()) report.bytes += file->bytes;
   TRY(folder.publish());

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "pointreel/error.h"
 
@@ -10,6 +12,7 @@ namespace pointreel {
 struct JoinReport {
   std::uint32_t frames = 0, segments = 0;
   std::uint64_t bytes = 0;  ///< of all files of the package
+  std::vector<std::string> warnings = {};
 };
 
 /// Makes the package of the parts of a plan (plan.h), which is either complete or absent. Layer

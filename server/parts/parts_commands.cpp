@@ -90,6 +90,7 @@ int run_part(const PartArguments& arguments) {
 int run_join(const std::filesystem::path& output) {
   const Result<JoinReport> report = join_parts(output);
   if (!report) return failed(report.error());
+  for (const std::string& line : report->warnings) print_error("warning: " + line);
   print("{}: {}, {}, {}\n", output.string(), counted(report->frames, "frame"),
         counted(report->segments, "segment"), counted(report->bytes, "byte"));
   return kExitOk;

@@ -127,7 +127,11 @@ class Publisher {
           sender_.send_sound(packet, samples, capture_us);
         },
         stop);
-    if (!sent) say(sent.error().message + "; the stream goes on in silence");
+    if (!sent) {
+      say(sent.error().message + "; the stream goes on in silence");
+    } else if (!sent->empty()) {
+      say(source.name + ": " + *sent);
+    }
   }
 
   void begin_sound(std::uint64_t time_us) {

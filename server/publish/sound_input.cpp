@@ -15,6 +15,7 @@
 #include <opus/opus.h>
 #include <unistd.h>
 
+#include "common/audio/sound_file.h"
 #include "common/base/ffmpeg.h"
 #include "common/base/try.h"
 #include "common/stream/live_sound.h"
@@ -32,15 +33,16 @@ constexpr int kEncoderDelay = 312;
 constexpr std::int64_t kMostOff = 100'000;
 
 std::vector<std::string> arguments(const SoundSource& source) {
-  std::vector<std::string> all{"-hide_banner", "-loglevel", "error"};
+  std::vector<std::string> all;
   std::string filter = fmt::format("aresample={}", kRate);
   const auto add = [&all](std::initializer_list<std::string> some) { all.insert(all.end(), some); };
   if (source.name == kMicrophone) {
     add({"-f", "alsa", "-i", "default"});
   } else {
     if (source.loop) add({"-stream_loop", "-1"});
-    // A playlist must not make it fetch from elsewhere.
-    add({"-protocol_whitelist", "file", "-i", "file:" + source.name, "-map", "0:a:0"});
+    const std::vector<std::string> input = sound_input(source.name);
+    all.insert(all.end(), input.begin(), input.end());
+    add({"-map", "0:a:0"});
     filter += fmt::format(",atrim=start_sample={},asetpts=N/SR/TB", kEncoderDelay);
   }
   add({"-af", filter, "-ac", "2", "-c:a", "libopus", "-b:a", "96k", "-frame_duration", "20", "-f",
@@ -124,8 +126,9 @@ struct Closing {
   }
 };
 
-Result<void> send(const SoundSource& source, const OnSoundPacket& on_packet,
-                  const std::stop_token& stop) {
+/// Returns what ffmpeg found wrong, if all the sound came; empty if nothing.
+Result<std::string> send(const SoundSource& source, const OnSoundPacket& on_packet,
+                         const std::stop_token& stop) {
   std::array<int, 2> ends{-1, -1};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return fail(ErrorCode::io, errno_message());
   const Closing output{ends[0]};
@@ -134,7 +137,7 @@ Result<void> send(const SoundSource& source, const OnSoundPacket& on_packet,
   input.close();
   OggPackets packets;
   SoundTimes times(source);
-  std::uint64_t sent = 0;
+  std::uint64_t sent_samples = 0;
   std::vector<std::uint8_t> part(1 << 12);
   while (wait_readable(output.file, stop)) {
     const ssize_t size = ::read(output.file, part.data(), part.size());
@@ -149,33 +152,36 @@ Result<void> send(const SoundSource& source, const OnSoundPacket& on_packet,
         return;
       const std::uint64_t begin = times.next(samples, stop);
       on_packet(packet, static_cast<std::uint16_t>(samples), begin);
-      ++sent;
+      sent_samples += static_cast<std::uint64_t>(samples);
     });
   }
-  if (stop.stop_requested()) return {};
-  if (ffmpeg.wait() && sent > 0) return {};
-  const std::string why = ffmpeg.reason();
-  if (why.find("matches no streams") != std::string::npos) return fail("has no sound");
-  return fail(fmt::format("cannot be {}{}{}",
-                          source.name == kMicrophone ? "heard" : "read as sound",
-                          why.empty() ? "" : ": ", why));
+  if (stop.stop_requested()) return std::string();
+  const bool ended_well = ffmpeg.wait();
+  std::string said = ffmpeg.reason();
+  if (source.name == kMicrophone) {
+    if (ended_well && sent_samples > 0) return said;
+    return fail(fmt::format("cannot be heard{}{}", said.empty() ? "" : ": ", said));
+  }
+  if (!ended_well) return tl::unexpected(unreadable_sound(said));
+  const SoundEnd end = TRY(find_sound_end(source.name));
+  TRY(end.check(sent_samples * 1'000'000 / kRate, end.end_us, said));
+  return said;
 }
 
 }  // namespace
 
 Result<void> check_sound(const std::string& name) {
-  if (!is_installed("ffmpeg")) {
-    return fail(ErrorCode::not_found,
-                "ffmpeg is not installed, but sound needs it: install it (apt-get install ffmpeg)");
-  }
+  if (!is_installed("ffmpeg")) return fail(ErrorCode::not_found, kSoundNeedsFfmpeg);
   std::error_code error;
-  if (name != kMicrophone && !std::filesystem::is_regular_file(name, error))
+  if (name == kMicrophone) return {};
+  if (!std::filesystem::is_regular_file(name, error))
     return fail(ErrorCode::not_found, name + ": is not a file that can be read");
+  TRY(at_place(name, find_sound_end(name)));
   return {};
 }
 
-Result<void> send_sound(const SoundSource& source, const OnSoundPacket& on_packet,
-                        const std::stop_token& stop) {
+Result<std::string> send_sound(const SoundSource& source, const OnSoundPacket& on_packet,
+                               const std::stop_token& stop) {
   return at_place(source.name, send(source, on_packet, stop));
 }
 

@@ -300,6 +300,44 @@ TEST(VideoWriter, quotes_the_output_of_an_encoder_that_exits_early) {
             (folder / "a.mp4").string() + ": was not recorded: ffmpeg ended: no space left");
 }
 
+// ffmpeg 5.1 ends well when it cannot write any more.
+TEST_F(VideoWriterTest, a_full_disk_leaves_the_video_from_before_and_nothing_else) {
+  const TemporaryFolder programs;
+  const std::string program = script(programs, "trap '' XFSZ; ulimit -f 64; exec ffmpeg \"$@\"");
+  Image noise = numbered({320, 240}, 0);
+  std::uint32_t state = 1;
+  for (glm::u8vec3& pixel : noise.pixels) {
+    state = state * 1'664'525u + 1'013'904'223u;
+    pixel = glm::u8vec3(state >> 24, state >> 16, state >> 8);
+  }
+  for (const char* name : {"j.mp4", "j.mkv", "j.webm"}) {
+    SCOPED_TRACE(name);
+    const TemporaryFolder folder;
+    const fs::path file = folder.write(name, "good");
+    auto writer = VideoWriter::create(file.string(), {320, 240}, FrameRate{25, 1}, {}, program);
+    Result<void> done = writer ? Result<void>() : tl::unexpected(writer.error());
+    for (std::uint64_t i = 0; i < 10 && done; ++i) done = (*writer)->add(noise, 40'000 * i);
+    if (done) done = (*writer)->finish(400'000);
+    ASSERT_FALSE(done);
+    EXPECT_THAT(done.error().message, StartsWith(file.string() + ": was not recorded: "));
+    writer->reset();
+    EXPECT_EQ(read_file(file), "good");
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
+  }
+}
+
+TEST(VideoWriter, reports_an_encoder_that_ends_well_but_writes_nothing) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "a.mkv").string();
+  auto writer = VideoWriter::create(file, {64, 48}, std::nullopt, {},
+                                    script(folder, "cat > /dev/null; exit 0"));
+  ASSERT_TRUE(writer);
+  EXPECT_TRUE((*writer)->add(numbered({64, 48}, 0), 0));
+  const auto finished = (*writer)->finish(1'000'000);
+  ASSERT_FALSE(finished);
+  EXPECT_EQ(finished.error().message, file + ": was not recorded: No such file or directory");
+}
+
 TEST(VideoWriter, reports_that_the_encoder_was_killed) {
   const TemporaryFolder folder;
   auto writer = VideoWriter::create((folder / "a.mp4").string(), {64, 48}, std::nullopt, {},

@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -131,6 +133,72 @@ TEST_F(AudioPackage, stays_as_it_is_if_the_source_has_no_sound) {
   EXPECT_EQ(contents(reel()), before);
   EXPECT_FALSE(pack_with(folder() / "none.wav"));
   EXPECT_EQ(contents(reel()), before);
+}
+
+/// Runs ffmpeg, and returns the file that it writes.
+fs::path converted(const fs::path& from, const std::string& name) {
+  const fs::path to = from.parent_path() / name;
+  const std::string command = "ffmpeg -v quiet -y -i '" + from.string() + "' '" + to.string() + "'";
+  EXPECT_EQ(std::system(command.c_str()), 0) << command;
+  return to;
+}
+
+constexpr std::uint64_t kTenSeconds = 10'000'000;
+
+// ffmpeg ends well where a file does not.
+TEST_F(AudioPackage, gets_no_sound_that_is_cut_off) {
+  write_wav(sound(), 44'100, 5 * 44'100, [](std::uint32_t n) { return tone(n, 44'100.0); });
+  for (const char* name : {"cut.wav", "cut.flac", "cut.mp3", "cut.mka", "cut.avi"}) {
+    SCOPED_TRACE(name);
+    const fs::path file = converted(sound(), name);
+    const auto whole = write_audio(file, folder(), kTenSeconds);
+    ASSERT_TRUE(whole) << whole.error().message;
+    EXPECT_NEAR(static_cast<double>(whole->samples), 5.0 * kAudioRate, 0.1 * kAudioRate);
+    fs::resize_file(file, fs::file_size(file) / 2);
+    const auto cut = write_audio(file, folder(), kTenSeconds);
+    ASSERT_FALSE(cut);
+    EXPECT_THAT(cut.error().message, StartsWith(file.string() + ": ends after "));
+    EXPECT_TRUE(write_audio(file, folder(), 1'000'000)) << "what is needed is there";
+  }
+}
+
+TEST_F(AudioPackage, gets_no_sound_that_is_damaged_so_that_it_becomes_shorter) {
+  write_wav(sound(), 44'100, 5 * 44'100, [](std::uint32_t n) { return tone(n, 44'100.0); });
+  const fs::path file = converted(sound(), "damaged.mp3");
+  std::string bytes = read_text(file);
+  for (std::size_t i = bytes.size() / 3; i < bytes.size() / 3 * 2; ++i)
+    bytes[i] = static_cast<char>(i * i % 251);
+  write_file(file, bytes);
+  const auto damaged = write_audio(file, folder(), kTenSeconds);
+  ASSERT_FALSE(damaged);
+  EXPECT_THAT(damaged.error().message, StartsWith(file.string()));
+}
+
+TEST_F(AudioPackage, says_what_ffmpeg_found_wrong_where_all_the_sound_is_there) {
+  write_wav(sound(), 44'100, 5 * 44'100, [](std::uint32_t n) { return tone(n, 44'100.0); });
+  const fs::path file = converted(sound(), "damaged.flac");
+  std::string bytes = read_text(file);
+  for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 500; ++i) bytes[i] = 'x';
+  write_file(file, bytes);
+  std::vector<std::string> warnings;
+  const auto made = write_audio(file, folder(), kTenSeconds, {},
+                                [&](const std::string& line) { warnings.push_back(line); });
+  ASSERT_TRUE(made) << made.error().message;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0], StartsWith(file.string() + ": "));
+}
+
+TEST_F(AudioPackage, gets_no_sound_from_playlists) {
+  converted(sound(), "part.ts");
+  const std::vector<std::pair<std::string, std::string>> playlists = {
+      {"list.m3u8", "#EXTM3U\n#EXT-X-TARGETDURATION:2\n#EXTINF:1,\npart.ts\n#EXT-X-ENDLIST\n"},
+      {"list.wav", "ffconcat version 1.0\nfile part.ts\n"}};
+  for (const auto& [name, text] : playlists) {
+    write_file(folder() / name, text);
+    const auto refused = write_audio(folder() / name, folder(), kTenSeconds);
+    ASSERT_FALSE(refused) << name;
+    EXPECT_THAT(refused.error().message, HasSubstr("playlists are not read"));
+  }
 }
 
 TEST_F(AudioPackage, is_unpacked_with_its_sound) {

@@ -24,6 +24,9 @@ constexpr auto kCheckInterval = 100ms;
 /// The same while the server has not yet accepted everything.
 constexpr auto kUnconfirmedInterval = 10ms;
 
+/// The server has nothing to say but why it ends a connection.
+constexpr std::size_t kMaxWaiting = 1u << 20;
+
 /// How long the server's reason for ending a connection may take after sending has failed.
 constexpr auto kReasonTime = 500ms;
 
@@ -116,6 +119,7 @@ void Outbox::run(const std::stop_token& stop) {
   socket_options.silence_timeout = kSilenceTimeout;
   socket_options.stall_timeout = kStallTimeout;
   socket_options.max_message = kMaxLiveText;
+  socket_options.max_waiting = kMaxWaiting;
   socket_options.confirm = true;
   socket_options.stop = stop;
   while (!stop.stop_requested()) {
@@ -188,7 +192,7 @@ void Outbox::serve(WebSocket& socket, const std::stop_token& stop) {
     if (!sent) {
       // Receiving fails with the server's own reason, which says more.
       Result<std::optional<WebSocketMessage>> why = socket.receive(kReasonTime);
-      while (why && *why) why = socket.receive(kReasonTime);
+      while (why && *why && !stop.stop_requested()) why = socket.receive(kReasonTime);
       const Error error = why ? sent.error() : why.error();
       if (!stop.stop_requested()) tell(error.message);
       return;

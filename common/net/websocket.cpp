@@ -48,6 +48,13 @@ constexpr int kUnsentLimit = 64 << 10;
 /// The number of bytes of a refusal's body that are quoted in an error.
 constexpr std::size_t kMostExcuse = 200;
 
+/// The memory that a message takes while it waits, with its place in a queue and what the allocator
+/// adds.
+std::size_t memory_of(const WebSocketMessage& message) {
+  constexpr std::size_t kBesides = sizeof(WebSocketMessage) + 64;
+  return message.bytes.capacity() + kBesides;
+}
+
 /// The first line of a server's explanation.
 std::string excuse(const std::string& body) {
   const std::string line = body.substr(0, std::min(body.find_first_of("\r\n"), kMostExcuse));
@@ -186,13 +193,18 @@ class Connection : public WebSocket {
     }
     std::optional<WebSocketMessage> message = std::move(inbox_.front());
     inbox_.pop_front();
-    const bool was_full = waiting_ > options_.max_waiting;
-    waiting_ -= message->bytes.size();
-    const bool read_on = paused_ && was_full && waiting_ <= options_.max_waiting;
+    const bool was_full = memory_ > options_.max_waiting;
+    memory_ -= memory_of(*message);
+    const bool read_on = paused_ && was_full && memory_ <= options_.max_waiting;
     if (read_on) paused_ = false;
     lock.unlock();
     if (read_on) asio::post(context_, [this] { read(); });
     return message;
+  }
+
+  std::size_t waiting() const override {
+    const std::lock_guard lock(mutex_);
+    return inbox_.size();
   }
 
   void close() override {
@@ -272,9 +284,9 @@ class Connection : public WebSocket {
     {
       const std::lock_guard lock(mutex_);
       last_size_ = incoming_.size();
-      waiting_ += last_size_;
       inbox_.push_back({stream_.got_binary() ? Kind::binary : Kind::text, std::move(incoming_)});
-      paused_ = waiting_ > options_.max_waiting;
+      memory_ += memory_of(inbox_.back());
+      paused_ = memory_ > options_.max_waiting;
       changed_.notify_all();
       if (paused_) return;
     }
@@ -342,7 +354,7 @@ class Connection : public WebSocket {
   std::uint64_t confirmed_ = 0;
   std::condition_variable changed_;
   std::deque<WebSocketMessage> inbox_;
-  std::size_t waiting_ = 0;
+  std::size_t memory_ = 0;  ///< of the messages in it
   bool paused_ = false, stopped_ = false;
   std::optional<Error> end_;  ///< why the connection has ended
   std::thread thread_;

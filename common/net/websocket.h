@@ -32,7 +32,8 @@ struct WebSocketOptions {
   /// leaves it to the system.
   std::chrono::milliseconds stall_timeout{0};
   std::size_t max_message = kLiveHeaderSize + kMaxLiveLayer;  ///< a longer one ends the connection
-  /// In bytes. If more messages than this wait for receive(), reading pauses until some are taken.
+  /// In bytes of memory, which empty messages take, too. If more messages than this wait for
+  /// receive(), reading pauses until some are taken.
   std::size_t max_waiting = 64u << 20;
   bool confirm = false;  ///< find out what the peer has read, for confirmed()
   std::stop_token stop;  ///< makes connecting fail soon, with `cancelled`
@@ -82,6 +83,8 @@ class WebSocket {
   /// are taken, fails with the reason, which is the peer's if it gave one: `cancelled` after
   /// close(), `limit` if a message was too long, otherwise `io`.
   virtual Result<std::optional<WebSocketMessage>> receive(std::chrono::milliseconds timeout) = 0;
+  /// How many messages wait for receive().
+  virtual std::size_t waiting() const = 0;
 
   /// Ends the connection; callable from any thread. Sent messages are still delivered if that does
   /// not take long. Pending and later calls fail.

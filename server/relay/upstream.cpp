@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <random>
 #include <ranges>
 #include <stop_token>
@@ -38,7 +39,8 @@ constexpr milliseconds kConnect = 1500ms, kMostConnect = 12'000ms;
 /// What waits between the socket and the relay, which takes it at once.
 constexpr std::size_t kMaxWaiting = 4u << 20;
 
-using Take = std::function<Result<void>(WebSocketMessage message)>;
+/// `more`: others wait behind the message.
+using Take = std::function<Result<void>(WebSocketMessage message, bool more)>;
 
 /// Keeps up a connection in a thread of its own. `begin` is called for each connection, and what it
 /// returns gets the messages and is destroyed with the connection; an error from it ends that.
@@ -88,7 +90,8 @@ class Link {
     const std::stop_callback closing(stop, [&] { socket.close(); });
     const Take take = begin_();
     RateLimit text(options_.text_rate);
-    while (true) {
+    // What has come is not taken any more once this is to stop.
+    while (!stop.stop_requested()) {
       auto message = socket.receive(1h);
       if (!message) {
         if (!stop.stop_requested()) tell(message.error().message);
@@ -103,13 +106,15 @@ class Link {
         }
         wait(std::min<std::chrono::steady_clock::duration>(text.ahead(), 1s), stop);
       }
-      const Result<void> taken = or_out_of_memory([&] { return take(*std::move(*message)); });
+      const Result<void> taken =
+          or_out_of_memory([&] { return take(*std::move(*message), socket.waiting() > 0); });
       if (!taken) {
         tell(fmt::format("{}: {}", url_, taken.error().message));
         return false;
       }
       tell({});
     }
+    return true;
   }
 
   void wait(std::chrono::steady_clock::duration pause, const std::stop_token& stop) {
@@ -145,7 +150,10 @@ class StreamsOfServer : public Upstream {
         streams_.emplace(options_.stream, std::move(link));
     } else {
       list_ = std::make_unique<Link>(options_, options_.url, [this] {
-        return [this](WebSocketMessage message) { return take_list(std::move(message)); };
+        newest_.reset();
+        return [this](WebSocketMessage message, bool more) {
+          return take_list(std::move(message), more);
+        };
       });
     }
   }
@@ -165,7 +173,7 @@ class StreamsOfServer : public Upstream {
     }
     return std::make_unique<Link>(options_, url + "?sound", [this, here] {
       const std::shared_ptr<Publication> publication = relay_.receive(here).value();
-      return [publication](WebSocketMessage message) {
+      return [publication](WebSocketMessage message, bool) {
         const bool is_text = message.kind == WebSocket::Kind::text;
         return publication->message({is_text ? LiveMessage::Kind::text : LiveMessage::Kind::binary,
                                      std::make_shared<const Bytes>(std::move(message.bytes))});
@@ -173,16 +181,21 @@ class StreamsOfServer : public Upstream {
     });
   }
 
-  /// Follows the streams that are published there, and leaves those that are not.
-  Result<void> take_list(WebSocketMessage message) {
+  /// Follows the streams that are published there, and leaves those that are not. Of several lists,
+  /// only the newest counts: each may mean as many new connections as there may be streams.
+  Result<void> take_list(WebSocketMessage message, bool more) {
     if (message.kind != WebSocket::Kind::text) return fail("sends frames instead of names");
-    const LiveText text = TRY(parse_live_text(
+    LiveText text = TRY(parse_live_text(
         {reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()}));
-    const auto* list = std::get_if<LiveStreams>(&text);
-    if (list == nullptr) return {};
+    if (auto* const list = std::get_if<LiveStreams>(&text)) newest_ = std::move(*list);
+    if (newest_ && !more) follow(*std::exchange(newest_, std::nullopt));
+    return {};
+  }
+
+  void follow(const LiveStreams& list) {
     std::map<std::string, std::unique_ptr<Link>> gone;
     std::swap(gone, streams_);
-    for (const std::string& name : list->names) {
+    for (const std::string& name : list.names) {
       if (auto kept = gone.extract(name)) {
         streams_.insert(std::move(kept));
       } else if (!streams_.contains(name)) {
@@ -191,12 +204,12 @@ class StreamsOfServer : public Upstream {
       }
     }
     for (const auto& link : std::views::values(gone)) link->request_stop();
-    return {};
   }
 
   Relay& relay_;
   const UpstreamOptions options_;
   std::map<std::string, std::unique_ptr<Link>> streams_;  ///< by their names there
+  std::optional<LiveStreams> newest_;                     ///< a list that is to be followed
   std::unique_ptr<Link> list_;                            ///< null for a single stream
 };
 

@@ -22,6 +22,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/view.h"
+#include "tests/wait.h"
 
 namespace pointreel::websocket_test {
 namespace {
@@ -336,6 +337,24 @@ TEST(WebSocket, closing_ends_although_a_ping_waits_for_its_answer) {
   ASSERT_FALSE(message) << "the connection did not end";
   EXPECT_EQ(message.error().code, ErrorCode::cancelled) << message.error().message;
   sending.wait();
+}
+
+TEST(WebSocket, empty_messages_that_wait_are_bounded_as_others_are) {
+  constexpr std::size_t kMessages = 10'000;
+  const Peer peer(upgraded([](PeerStream& stream) {
+    for (std::size_t i = 0; i < kMessages; ++i) stream.write(boost::asio::const_buffer());
+    read_until_closed(stream);
+  }));
+  WebSocketOptions options;
+  options.max_waiting = 10'000;
+  const auto socket = WebSocket::connect(peer.url(), options);
+  ASSERT_TRUE(socket) << socket.error().message;
+  ASSERT_TRUE(wait_until([&] { return (*socket)->waiting() > 50; }));
+  EXPECT_FALSE(wait_until([&] { return (*socket)->waiting() > 200; }, kMoment));
+  for (std::size_t i = 0; i < kMessages; ++i) {
+    EXPECT_TRUE(must_receive(**socket).bytes.empty());
+    ASSERT_LE((*socket)->waiting(), 200u);
+  }
 }
 
 TEST(WebSocket, connecting_can_be_stopped) {

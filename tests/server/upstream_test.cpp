@@ -169,6 +169,18 @@ TEST_F(UpstreamTest, a_name_that_gets_too_long_is_reported_and_not_followed) {
   EXPECT_TRUE(says("is too long"));
 }
 
+TEST_F(UpstreamTest, of_many_lists_only_the_newest_is_acted_on) {
+  constexpr int kLists = 500;
+  std::string lists;
+  for (int i = 0; i < kLists; ++i)
+    lists += frame(text_message(write_streams({{"stream" + std::to_string(i)}})));
+  const RawServer server(lists);
+  // Each list that is acted on gives a line.
+  const auto upstream = follow(std::string(60, 'x') + "*=" + server.url("/live"));
+  EXPECT_TRUE(says("stream" + std::to_string(kLists - 1) + " is too long"));
+  EXPECT_LT(said().size(), static_cast<std::size_t>(kLists) / 2);
+}
+
 TEST(UpstreamTokens, a_token_is_for_one_scheme_host_and_port) {
   const auto tokens = UpstreamTokens::parse(
       "# ours\n\nwss://Paris.example.org  one\n ws://[::1]:8090\ttwo \r\nws://lyon three");

@@ -137,7 +137,7 @@ Result<std::optional<Bytes>> embedded(const ByteSource& source, CloudFormat form
 
 Result<LoadedCloud> read_file(const fs::path& path, const DecodeLimits& limits,
                               const Reading& reading) {
-  const ByteSource source = TRY(at_place(path.string(), ByteSource::open(path)));
+  const ByteSource source = TRY(at_place(path.string(), ByteSource::open_named(path)));
   const CloudFormat format = TRY(at_place(path.string(), format_of_file(source, path)));
   const auto whole =
       TRY(at_place(path.string(), embedded(source, format, path, limits.max_memory)));
@@ -275,7 +275,7 @@ Result<std::shared_ptr<const Recording>> open_recording(const fs::path& path,
   const CloudFormat format = format_of({}, path.filename().string());
   if (format == CloudFormat::depth_video) return at_place(name, open_depth_video(path, max_memory));
   if (format != CloudFormat::mcap) return nullptr;
-  ByteSource source = TRY(at_place(name, ByteSource::open(path)));
+  ByteSource source = TRY(at_place(name, ByteSource::open_named(path)));
   return TRY(
       at_place(name, McapRecording::open(std::move(source), topic, max_memory, best_effort)));
 }
@@ -315,7 +315,7 @@ Result<CloudBytes> fetch_cloud_frame(const CloudFrame& frame, std::uint64_t max_
     fetched.format = frame.recording->format();
     return fetched;
   }
-  const ByteSource source = TRY(at_place(name, ByteSource::open(frame.file)));
+  const ByteSource source = TRY(at_place(name, ByteSource::open_named(frame.file)));
   fetched.format = TRY(at_place(name, format_of_file(source, frame.file)));
   if (source.size() > max_bytes) {
     return fail(ErrorCode::limit,
@@ -333,7 +333,7 @@ Result<CloudBytes> fetch_cloud_frame(const CloudFrame& frame, std::uint64_t max_
 }
 
 std::optional<char> up_of_file(const fs::path& path) {
-  const auto source = ByteSource::open(path);
+  const auto source = ByteSource::open_named(path);
   if (!source) return std::nullopt;
   const auto format = format_of_file(*source, path);
   return format ? up_of(*format) : std::nullopt;

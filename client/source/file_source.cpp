@@ -4,55 +4,33 @@
 #include <cstring>
 #include <utility>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include "client/source/package_source.h"
+#include "common/base/open_file.h"
 #include "common/base/try.h"
 #include "common/stream/manifest.h"
 
 namespace pointreel {
 namespace {
 
-/// A file descriptor that closes itself.
-class OpenFile {
- public:
-  explicit OpenFile(const std::filesystem::path& path)
-      // Opening a pipe would otherwise wait for somebody who writes.
-      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
-  ~OpenFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-  int get() const { return descriptor_; }
-
- private:
-  int descriptor_;
-};
-
 Result<Bytes> read_range(const std::filesystem::path& folder, const PackageFile& listed,
                          std::uint64_t offset, std::uint64_t size) {
   if (size == 0) return Bytes{};
   const std::filesystem::path path = folder / listed.path;
-  const OpenFile file(path);
-  if (file.get() < 0)
-    return fail(errno == ENOENT ? ErrorCode::not_found : ErrorCode::io,
-                fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
+  const OpenFile file = TRY(at_place(path.string(), OpenFile::open(path)));
   // The file's length is checked before memory is taken, because the manifest may be wrong.
-  const off_t end = ::lseek(file.get(), 0, SEEK_END);
-  if (end < 0) return fail(fmt::format("{}: is not a regular file", path.string()));
-  if (static_cast<std::uint64_t>(end) < offset + size)
+  if (file.size() < offset + size)
     return fail(
         fmt::format("{}: ends at byte {}, but by the manifest the frame's bytes end at {}; the "
                     "package is damaged",
-                    path.string(), end, offset + size));
+                    path.string(), file.size(), offset + size));
   Bytes bytes(size);
   std::size_t got = 0;
   while (got < size) {
-    const ssize_t n =
-        ::pread(file.get(), bytes.data() + got, size - got, static_cast<off_t>(offset + got));
+    const ssize_t n = ::pread(file.descriptor(), bytes.data() + got, size - got,
+                              static_cast<off_t>(offset + got));
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0)
       return fail(ErrorCode::io,

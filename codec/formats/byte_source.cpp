@@ -9,9 +9,9 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
+#include "common/base/open_file.h"
 #include "common/base/try.h"
 
 namespace pointreel {
@@ -55,29 +55,32 @@ ByteSource::~ByteSource() {
 }
 
 Result<ByteSource> ByteSource::open(const std::filesystem::path& path) {
+  OpenFile file = TRY(OpenFile::open(path));
+  ByteSource source;
+  source.size_ = file.size();
+  source.descriptor_ = file.release();
+  // Files of /proc have no size.
+  if (source.size_ == 0) TRY(source.read_all());
+  return source;
+}
+
+Result<ByteSource> ByteSource::open_named(const std::filesystem::path& path) {
   std::error_code ignored;
   const std::filesystem::file_status kind = std::filesystem::status(path, ignored);
-  // Opening a device may have effects.
-  if (is_character_file(kind) || is_block_file(kind))
-    return fail("is a device, not a point cloud file");
-  if (is_directory(kind)) return fail("is a folder, not a point cloud file");
+  if (!is_fifo(kind) && !is_socket(kind)) return open(path);
   ByteSource source;
   source.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (source.descriptor_ < 0) {
-    if (errno == ENOENT) return fail(ErrorCode::not_found, "no such file");
-    return failed("cannot be opened");
-  }
-  struct stat status{};
-  if (::fstat(source.descriptor_, &status) != 0) return failed("cannot be read");
-  if (S_ISREG(status.st_mode) && status.st_size > 0) {
-    source.size_ = static_cast<std::uint64_t>(status.st_size);
-    return source;
-  }
-  source.own_ = TRY(read_to_end(source.descriptor_));
-  ::close(std::exchange(source.descriptor_, -1));
-  source.memory_ = source.own_;
-  source.size_ = source.own_.size();
+  if (source.descriptor_ < 0) return failed("cannot be opened");
+  TRY(source.read_all());
   return source;
+}
+
+Result<void> ByteSource::read_all() {
+  own_ = TRY(read_to_end(descriptor_));
+  ::close(std::exchange(descriptor_, -1));
+  memory_ = own_;
+  size_ = own_.size();
+  return {};
 }
 
 Result<ByteView> ByteSource::view(std::uint64_t offset, std::size_t count, Bytes& room) const {

@@ -15,10 +15,11 @@ class ByteSource {
  public:
   /// Bytes that outlive this object.
   explicit ByteSource(ByteView memory) : memory_(memory), size_(memory.size()) {}
-  /// A file. What cannot be read at any place, such as a pipe, is read to its end. Errors do not
-  /// contain the path: `not_found`, `io`, `invalid` for folders and devices, `limit` if what has to
+  /// A regular file. Errors do not contain the path: as OpenFile::open, and `limit` if what has to
   /// be in memory does not fit.
   static Result<ByteSource> open(const std::filesystem::path& path);
+  /// The same, but also a pipe, which is read to its end. Only for paths that the user named.
+  static Result<ByteSource> open_named(const std::filesystem::path& path);
   ByteSource(ByteSource&& other) noexcept;
   ByteSource& operator=(ByteSource&&) = delete;
   ~ByteSource();
@@ -34,6 +35,7 @@ class ByteSource {
 
  private:
   ByteSource() = default;
+  Result<void> read_all();
 
   int descriptor_ = -1;  ///< of a file on disk
   Bytes own_;            ///< of a file that was read to its end

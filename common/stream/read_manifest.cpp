@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/base/open_file.h"
 #include "common/base/try.h"
 #include "common/stream/json_value.h"
 #include "common/stream/manifest.h"
@@ -26,7 +27,7 @@ Result<std::string> read_text(const fs::path& path) {
     return fail(ErrorCode::limit,
                 fmt::format("{}: is longer than {} bytes", path.string(), kMaxManifestBytes));
   }
-  std::ifstream in(path, std::ios::binary);
+  std::ifstream in = TRY(at_place(path.string(), open_stream(path)));
   std::string text(size, '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!in) return fail(ErrorCode::io, fmt::format("{}: cannot be read", path.string()));

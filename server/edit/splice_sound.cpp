@@ -12,6 +12,7 @@
 
 #include "common/audio/opus_reader.h"
 #include "common/audio/opus_writer.h"
+#include "common/base/open_file.h"
 #include "common/base/output_folder.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
@@ -141,7 +142,7 @@ class PieceReader {
     if (error) return fail(ErrorCode::io, error.message());
     if (size != piece_.bytes)
       return fail(fmt::format("has {}, the manifest says {}", counted(size, "byte"), piece_.bytes));
-    std::ifstream file(piece_.file, std::ios::binary);
+    std::ifstream file = TRY(open_stream(piece_.file));
     OpusReader reader = TRY(OpusReader::open(OpusReader::read_at(file), piece_.bytes));
     if (!reader.head().plain)
       return fail(ErrorCode::argument,

@@ -17,6 +17,7 @@
 #include "common/audio/opus_reader.h"
 #include "common/audio/sound_file.h"
 #include "common/base/ffmpeg.h"
+#include "common/base/open_file.h"
 #include "common/base/output_folder.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
@@ -152,7 +153,7 @@ Result<std::optional<AudioFile>> replace_audio(const fs::path& package,
 }
 
 Result<void> check_audio(const PackageFiles& files, const AudioFile& audio) {
-  std::ifstream file(TRY(files.local(audio)), std::ios::binary);
+  std::ifstream file = TRY(open_stream(TRY(files.local(audio))));
   OpusReader reader = TRY(OpusReader::open(OpusReader::read_at(file), audio.bytes));
   std::vector<StereoSample> block(kAudioRate);
   std::uint64_t samples = 0;

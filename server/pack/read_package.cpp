@@ -9,6 +9,7 @@
 
 #include "codec/frame_header.h"
 #include "codec/max_error.h"
+#include "common/base/open_file.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "pointreel/draco.h"
@@ -29,7 +30,7 @@ Result<Chunks<Bytes>> read_layer(const PackageFiles& files, const Manifest& mani
   if (range.offset + range.size > size) {
     return fail(fmt::format("is cut off before the end of frame {}", frame));
   }
-  std::ifstream in(path, std::ios::binary);
+  std::ifstream in = TRY(open_stream(path));
   in.seekg(static_cast<std::streamoff>(range.offset));
   Chunks<Bytes> chunks;
   chunks.geometry.resize(sizes.geometry);
@@ -57,7 +58,7 @@ Result<std::vector<Chunks<Bytes>>> read_frame(const PackageFiles& files, const M
 
 Result<std::shared_ptr<const ContextTables>> read_tables(const fs::path& folder,
                                                          const PackageFile& tables) {
-  std::ifstream in(folder / tables.path, std::ios::binary);
+  std::ifstream in = TRY(open_stream(folder / tables.path));
   Bytes bytes(tables.bytes);
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   if (!in) return fail(ErrorCode::io, "cannot be read, or is cut off");
@@ -85,7 +86,7 @@ Result<double> max_error(const PackageFiles& files, const Manifest& manifest) {
   for (const Segment& segment : manifest.segments) {
     const LayerFile& base = segment.layers.front();
     const std::string path = TRY(files.local(base)).string();
-    std::ifstream in(path, std::ios::binary);
+    std::ifstream in = TRY(at_place(path, open_stream(path)));
     std::uint64_t offset = 0;
     Bytes bytes(kFrameHeaderSize);
     for (const Chunks<std::uint32_t>& sizes : base.frames) {

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "codec/frame_header.h"
+#include "common/base/open_file.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "common/stream/manifest.h"
@@ -24,7 +25,7 @@ namespace {
 
 Result<std::uint64_t> file_checksum(const fs::path& path) {
   RunningChecksum checksum;
-  std::ifstream in(path, std::ios::binary);
+  std::ifstream in = TRY(open_stream(path));
   Bytes block(1 << 20);
   while (in) {
     in.read(reinterpret_cast<char*>(block.data()), static_cast<std::streamsize>(block.size()));

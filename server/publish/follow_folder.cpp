@@ -9,6 +9,8 @@
 
 #include "codec/formats/cloud_format.h"
 #include "common/base/natural_order.h"
+#include "common/base/open_file.h"
+#include "common/base/try.h"
 #include "server/publish/descriptor.h"
 #include "server/publish/frame_input.h"
 
@@ -49,12 +51,18 @@ class FolderFollower : public FrameInput {
     }
     const fs::path file = folder_ / std::exchange(newest_, {});
     const std::uint64_t now = clock_.now_us();
-    return InputFrame{file.string(), now, read_next_cloud_file(file, reading_)};
+    return InputFrame{file.string(), now, read(file)};
   }
 
   std::uint64_t skipped() const override { return skipped_; }
 
  private:
+  /// A pipe that somebody put there would be waited for.
+  Result<LoadedCloud> read(const fs::path& file) {
+    TRY(at_place(file.string(), OpenFile::open(file)));
+    return read_next_cloud_file(file, reading_);
+  }
+
   /// Whether a file of this name is a frame. Names such as notes.txt may be anything, and count
   /// only as long as the folder has had no file that is clearly of points (list_cloud_files).
   bool is_of_points(const std::string& name) {

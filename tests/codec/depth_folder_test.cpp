@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "codec/cloud_file.h"
 #include "tests/depth_scene.h"
@@ -169,6 +170,13 @@ TEST_F(DepthFolder, faults_of_a_folder_are_errors_that_say_where) {
   fs::remove(folder_ / "depth/0.png");
   EXPECT_THAT(error(), HasSubstr("has no point cloud files"));
   EXPECT_FALSE(has_cloud_files(folder_.path()));
+}
+
+TEST_F(DepthFolder, intrinsics_that_are_a_pipe_are_not_waited_for) {
+  write_depth("0.png");
+  const fs::path pipe = folder_.path() / "intrinsic.json";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(error(), pipe.string() + ": is not a regular file");
 }
 
 TEST_F(DepthFolder, clocks_that_differ_are_noticed) {

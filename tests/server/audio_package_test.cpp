@@ -10,6 +10,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "common/audio/opus_reader.h"
 #include "common/base/ffmpeg.h"
@@ -207,6 +208,16 @@ TEST_F(AudioPackage, is_unpacked_with_its_sound) {
   ASSERT_TRUE(unpack(options));
   EXPECT_EQ(read_text(folder() / "out" / "audio.opus"), read_text(reel() / manifest().audio->path));
   EXPECT_TRUE(unpack(options)) << "a folder of unpacked frames may have sound";
+}
+
+TEST_F(AudioPackage, is_faulty_if_its_sound_is_a_pipe) {
+  ASSERT_TRUE(pack_with(sound()));
+  const fs::path audio = reel() / manifest().audio->path;
+  fs::remove(audio);
+  ASSERT_EQ(::mkfifo(audio.c_str(), 0600), 0);
+  EXPECT_FALSE(faults().empty());
+  EXPECT_FALSE(check_audio(PackageFiles(reel()), *manifest().audio));
+  EXPECT_FALSE(unpack({.input = reel(), .output = folder() / "out"}));
 }
 
 TEST_F(AudioPackage, is_faulty_if_its_sound_is_damaged_or_is_not_as_long_as_it_says) {

@@ -15,6 +15,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "codec/sequence/steady_grid.h"
@@ -148,6 +149,18 @@ TEST_F(FrameInputTest, files_with_capital_extensions_and_links_are_followed_too)
   fs::create_hard_link(file, folder / "hard.Ply");
   EXPECT_EQ(next(), "hard.Ply");
   EXPECT_EQ(input->skipped(), 0u);
+}
+
+TEST_F(FrameInputTest, a_pipe_in_a_followed_folder_is_not_waited_for) {
+  const fs::path folder = frames_ / "followed";
+  fs::create_directory(folder);
+  const auto input = follow_folder(folder).value();
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  fs::rename(folder / "pipe", folder / "frame.ply");
+  const auto frame = input->next({}).value();
+  ASSERT_TRUE(frame);
+  ASSERT_FALSE(frame->cloud);
+  EXPECT_EQ(frame->cloud.error().message, frame->name + ": is not a regular file");
 }
 
 TEST_F(FrameInputTest, a_followed_folder_that_goes_away_is_an_error) {

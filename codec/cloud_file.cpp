@@ -163,11 +163,12 @@ Result<LoadedCloud> read_cloud_file(const fs::path& path, const DecodeLimits& li
   return read_cloud_frame(alone.frames.front(), limits);
 }
 
-Result<LoadedCloud> read_next_cloud_file(const fs::path& path, Reading& reading) {
+Result<LoadedCloud> read_next_cloud_file(const fs::path& path, Reading& reading,
+                                         const DecodeLimits& limits) {
   CloudSequence alone;
   alone.frames.push_back({path});
   TRY(guess(alone, reading));
-  LoadedCloud loaded = TRY(read_cloud_frame(alone.frames.front()));
+  LoadedCloud loaded = TRY(read_cloud_frame(alone.frames.front(), limits));
   reading = std::move(alone.reading);
   return loaded;
 }

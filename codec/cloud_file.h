@@ -28,20 +28,16 @@ struct LoadedCloud {
   double full_color = 0.0;            ///< ReadNotes::full_color
 };
 
-/// For files that a user chose to encode: with as many points as a frame may have, whatever memory
-/// that takes.
-inline const DecodeLimits kOwnFiles{.max_memory = ~std::uint64_t{0}};
-
 /// Reads the points of a file of any format (cloud_format.h), which may also be a mesh. The error
 /// does not contain the file's name.
 ///
 /// `limits` holds where few bytes may stand for many points, as in Draco.
 ///
 /// Trust: the bytes may be hostile. Memory is bounded by their number, and by `limits`.
-Result<LoadedCloud> read_cloud(ByteView bytes, CloudFormat format,
-                               const DecodeLimits& limits = kOwnFiles, const Reading& reading = {});
+Result<LoadedCloud> read_cloud(ByteView bytes, CloudFormat format, const DecodeLimits& limits = {},
+                               const Reading& reading = {});
 /// The same for formats that are recognised by their first bytes.
-Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits = kOwnFiles,
+Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits = {},
                                const Reading& reading = {});
 
 /// The cloud as read_cloud returns it: sanitized, with what was repaired, and without what says
@@ -51,9 +47,10 @@ LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format, ReadNotes notes =
 /// Reads a file. Its format is recognised by its first bytes, or else by its name. The error begins
 /// with the path.
 Result<LoadedCloud> read_cloud_file(const std::filesystem::path& path,
-                                    const DecodeLimits& limits = kOwnFiles);
+                                    const DecodeLimits& limits = {});
 /// The same of files that come one after another: what `reading` lacks is guessed by the first.
-Result<LoadedCloud> read_next_cloud_file(const std::filesystem::path& path, Reading& reading);
+Result<LoadedCloud> read_next_cloud_file(const std::filesystem::path& path, Reading& reading,
+                                         const DecodeLimits& limits = {});
 
 /// Whether files of that name may hold points, in small letters or capitals.
 bool is_cloud_file(const std::filesystem::path& path);
@@ -110,12 +107,11 @@ struct CloudSequence {
 /// not to be guessed of how the frames are read. The error begins with the path.
 Result<CloudSequence> list_cloud_frames(const std::vector<std::filesystem::path>& inputs,
                                         const std::string& topic = {},
-                                        std::uint64_t max_memory = ~std::uint64_t{0},
+                                        std::uint64_t max_memory = kFrameMemory,
                                         bool best_effort = false, const Reading& asked = {});
 
 /// The error begins with the frame's name.
-Result<LoadedCloud> read_cloud_frame(const CloudFrame& frame,
-                                     const DecodeLimits& limits = kOwnFiles);
+Result<LoadedCloud> read_cloud_frame(const CloudFrame& frame, const DecodeLimits& limits = {});
 
 /// A frame as it is stored, to be read later.
 struct CloudBytes {

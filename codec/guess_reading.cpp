@@ -100,8 +100,7 @@ class ReadingGuess {
       if (sequence_.frames.size() == 1 && sample->size() > kSmall) return;
       ReadNotes notes;
       const Reading reading{sequence_.reading.columns, 0.0};
-      const auto cloud =
-          read_points(ByteSource(ByteView(*sample)), format_, kOwnFiles, reading, notes);
+      const auto cloud = read_points(ByteSource(ByteView(*sample)), format_, {}, reading, notes);
       if (!cloud || cloud->empty()) continue;
       if (notes.full_color == 0.0) return;
       full = std::max(full, notes.full_color);

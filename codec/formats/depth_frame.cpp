@@ -45,6 +45,20 @@ Result<CameraIntrinsics> camera_of(CameraIntrinsics camera, const DepthPicture& 
   return camera;
 }
 
+/// How many pixels may be read where each takes so much memory.
+std::uint64_t most_pixels(std::uint64_t most_points, std::uint64_t memory, std::uint64_t each) {
+  return std::min(most_points, memory / each);
+}
+
+/// The picture, or the error that it has too many pixels; if it is for lack of memory, with the
+/// advice of MemoryBudget.
+template <class Picture>
+Result<Picture> with_advice(Result<Picture> read, std::uint64_t most, std::uint64_t most_points) {
+  if (read || read.error().code != ErrorCode::limit || most >= most_points) return read;
+  return fail(ErrorCode::limit,
+              read.error().message + "; raise --frame-memory if you trust where it comes from");
+}
+
 }  // namespace
 
 Bytes depth_frame(std::string_view intrinsics, ByteView depth, ByteView color) {
@@ -73,17 +87,19 @@ Result<PointCloud> read_depth_frame(const ByteSource& source, const DecodeLimits
   const ByteView color_bytes = parts.subspan(std::size_t{intrinsics_size} + depth_size);
 
   const CameraIntrinsics parsed = TRY(at_place("intrinsics", parse_camera_intrinsics(intrinsics)));
-  const std::uint64_t most =
-      std::min<std::uint64_t>(limits.max_points, limits.max_memory / kDepthMemory);
-  const DepthPicture depth =
-      TRY(at_place("depth", read_depth_picture(parts.subspan(intrinsics_size, depth_size), most)));
+  const std::uint64_t most = most_pixels(limits.max_points, limits.max_memory, kDepthMemory);
+  const DepthPicture depth = TRY(at_place(
+      "depth", with_advice(read_depth_picture(parts.subspan(intrinsics_size, depth_size), most),
+                           most, limits.max_points)));
   const CameraIntrinsics camera = TRY(at_place("intrinsics", camera_of(parsed, depth)));
   if (parsed.distorts) notes.unread.emplace_back("distortion of the lens");
   std::optional<ColorPicture> color;
   if (!color_bytes.empty()) {
-    const std::uint64_t most_colors =
-        std::min<std::uint64_t>(DecodeLimits().max_points, limits.max_memory / kColorMemory);
-    color = TRY(at_place("color", read_color_picture(color_bytes, most_colors)));
+    const std::uint64_t left = limits.max_memory - depth.values.size() * kDepthMemory;
+    const std::uint32_t max_points = DecodeLimits().max_points;
+    const std::uint64_t most_colors = most_pixels(max_points, left, kColorMemory);
+    color = TRY(at_place("color", with_advice(read_color_picture(color_bytes, most_colors),
+                                              most_colors, max_points)));
     if (!same_shape(color->width, color->height, depth.width, depth.height)) {
       notes.unread.push_back(concat("colours of ", size_text(color->width, color->height),
                                     " pixels that do not lie over depth of ",

@@ -24,8 +24,8 @@ Bytes depth_frame(std::string_view intrinsics, ByteView depth, ByteView color);
 /// left out if their shape differs. `notes` receives that, and whether the camera has distortion,
 /// which is not undone. Errors name the part.
 ///
-/// Trust: the bytes may be hostile. Memory is bounded by `limits`: 64 bytes for each pixel of
-/// depth, and 8 for each of colour.
+/// Trust: the bytes may be hostile. Memory is bounded by `limits` before it is taken: 64 bytes for
+/// each pixel of depth, and 8 for each of colour, together.
 Result<PointCloud> read_depth_frame(const ByteSource& source, const DecodeLimits& limits,
                                     ReadNotes& notes);
 

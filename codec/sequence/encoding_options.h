@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "common/cloud/placement.h"
 #include "common/surface/clean.h"
+#include "pointreel/codec.h"
 #include "pointreel/draco.h"
 #include "pointreel/package.h"
 
@@ -31,6 +33,8 @@ struct EncodingOptions {
   /// achieve this, so the encoded bytes depend on the machine.
   std::optional<double> frame_time_ms;
   int threads = 0;  ///< that encode; 0: one for each processor
+  /// DecodeLimits::max_memory of each frame that is read from files.
+  std::uint64_t max_memory = kFrameMemory;
 };
 
 /// What a reel or a live stream of such frames says about itself. Colours, normals and scalar

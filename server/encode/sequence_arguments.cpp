@@ -50,6 +50,7 @@ void SequenceArguments::add_to(cli::Command command, const char* default_name,
       .add_option("--threads", sequence.threads, "threads that encode; 0: one for each processor")
       .check(cli::range(0, 1024))
       .capture_default_str();
+  add_frame_memory_option(command, frame_memory_);
   command
       .add_option(
           "--frame-time", sequence.frame_time_ms,
@@ -234,6 +235,7 @@ Result<EncodingOptions> SequenceArguments::options() const {
                 fmt::format("{} needs --entropy {}", option.name(), name(Entropy::context)));
   }
   EncodingOptions options = sequence;
+  options.max_memory = frame_memory_ << 20;
   if (codec == Codec::octree) {
     options.encode.codec = octree;
   } else {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,6 +40,7 @@ struct SequenceArguments {
   Result<EncodingOptions> options() const;
 
  private:
+  std::uint64_t frame_memory_ = kFrameMemory >> 20;  ///< MiB
   cli::Option up_, fps_;
   void add_octree_options(cli::Command command);
   void add_scalar_options(cli::Command command);

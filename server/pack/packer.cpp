@@ -138,8 +138,8 @@ class Packer {
 Result<PackSummary> pack(const PackOptions& options, const PackListener& listener) {
   const Clock::time_point start = Clock::now();
   return in_arena(options.threads, [&]() -> Result<PackSummary> {
-    CloudSequence sequence = TRY(list_cloud_frames(options.inputs, options.topic, ~std::uint64_t{0},
-                                                   options.best_effort, options.reading));
+    CloudSequence sequence = TRY(list_cloud_frames(
+        options.inputs, options.topic, options.max_memory, options.best_effort, options.reading));
     if (options.keep_gaps) sequence.keep_gaps(options.fps);
     OutputFolder folder = TRY(OutputFolder::create(
         options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));

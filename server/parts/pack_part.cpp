@@ -154,7 +154,7 @@ class PartPacker {
   Result<std::shared_ptr<const Recording>> recording_of(const PlannedFrame& planned) {
     if (recording_ == nullptr || planned.path != recording_path_) {
       TRY(check_unchanged(planned));
-      recording_ = TRY(list_cloud_frames({planned.path}, options_.topic, ~std::uint64_t{0},
+      recording_ = TRY(list_cloud_frames({planned.path}, options_.topic, options_.max_memory,
                                          options_.best_effort, options_.reading))
                        .frames.front()
                        .recording;

@@ -26,11 +26,13 @@ bool is_link(const fs::path& path) {
 
 class FolderFollower : public FrameInput {
  public:
-  FolderFollower(fs::path folder, int watch, LiveClock clock, Reading asked)
+  FolderFollower(fs::path folder, int watch, LiveClock clock, Reading asked,
+                 std::uint64_t max_memory)
       : folder_(std::move(folder)),
         watch_(watch),
         clock_(std::move(clock)),
-        reading_(std::move(asked)) {
+        reading_(std::move(asked)),
+        max_memory_(max_memory) {
     std::error_code ignored;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
       const std::string name = entry.path().filename().string();
@@ -60,7 +62,7 @@ class FolderFollower : public FrameInput {
   /// A pipe that somebody put there would be waited for.
   Result<LoadedCloud> read(const fs::path& file) {
     TRY(at_place(file.string(), OpenFile::open(file)));
-    return read_next_cloud_file(file, reading_);
+    return read_next_cloud_file(file, reading_, {.max_memory = max_memory_});
   }
 
   /// Whether a file of this name is a frame. Names such as notes.txt may be anything, and count
@@ -95,6 +97,7 @@ class FolderFollower : public FrameInput {
   const int watch_;
   const LiveClock clock_;
   Reading reading_;
+  const std::uint64_t max_memory_;
   std::string newest_;  ///< not taken yet; empty if there is none
   std::uint64_t skipped_ = 0;
   bool sure_names_ = false;  ///< there was a file that is clearly of points
@@ -104,7 +107,7 @@ class FolderFollower : public FrameInput {
 }  // namespace
 
 Result<std::unique_ptr<FrameInput>> follow_folder(const fs::path& folder, LiveClock clock,
-                                                  Reading asked) {
+                                                  Reading asked, std::uint64_t max_memory) {
   const int watch = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
   if (watch < 0 || ::inotify_add_watch(watch, folder.c_str(),
                                        IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE | IN_DELETE_SELF |
@@ -113,7 +116,8 @@ Result<std::unique_ptr<FrameInput>> follow_folder(const fs::path& folder, LiveCl
     if (watch >= 0) ::close(watch);
     return fail(ErrorCode::io, fmt::format("{}: cannot be followed: {}", folder.string(), message));
   }
-  return std::make_unique<FolderFollower>(folder, watch, std::move(clock), std::move(asked));
+  return std::make_unique<FolderFollower>(folder, watch, std::move(clock), std::move(asked),
+                                          max_memory);
 }
 
 }  // namespace pointreel

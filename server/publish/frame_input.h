@@ -43,15 +43,18 @@ class FrameInput {
 
 /// Plays the frames one after another from the first call of `next` on, at their own times, or at
 /// `fps` if they have none, and reads them ahead of time. With `loop` it begins again at the end.
+/// `max_memory`: DecodeLimits::max_memory of a frame, here and below.
 std::unique_ptr<FrameInput> play_files(CloudSequence sequence, double fps, bool loop,
-                                       LiveClock clock = LiveClock::system());
+                                       LiveClock clock = LiveClock::system(),
+                                       std::uint64_t max_memory = kFrameMemory);
 
 /// The newest file of points in the folder, if there is one, and then each file that is added by
 /// closing, renaming or linking it. All are read like the first (`asked`: what is not to be guessed
 /// of that). Ends with an error if the folder itself is removed or renamed.
 Result<std::unique_ptr<FrameInput>> follow_folder(const std::filesystem::path& folder,
                                                   LiveClock clock = LiveClock::system(),
-                                                  Reading asked = {});
+                                                  Reading asked = {},
+                                                  std::uint64_t max_memory = kFrameMemory);
 
 /// Reads a pipe. Each frame is its size in four bytes, little endian, and then a file of that
 /// size, of a format that is recognised by its first bytes. Its time of capture is when its last
@@ -59,7 +62,7 @@ Result<std::unique_ptr<FrameInput>> follow_folder(const std::filesystem::path& f
 ///
 /// Trust: memory grows only with the bytes that have arrived, up to kMaxInputFrame.
 std::unique_ptr<FrameInput> read_pipe(int descriptor, LiveClock clock = LiveClock::system(),
-                                      Reading asked = {});
+                                      Reading asked = {}, std::uint64_t max_memory = kFrameMemory);
 
 inline constexpr std::uint32_t kMaxInputFrame = 1u << 30;
 

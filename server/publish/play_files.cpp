@@ -18,12 +18,14 @@ constexpr std::size_t kReadAhead = 3;  // frames
 
 class FilePlayer : public FrameInput {
  public:
-  FilePlayer(CloudSequence sequence, double fps, bool loop, LiveClock clock)
+  FilePlayer(CloudSequence sequence, double fps, bool loop, LiveClock clock,
+             std::uint64_t max_memory)
       : sequence_(std::move(sequence)),
         files_(sequence_.frames),
         fps_(sequence_.times_us.empty() ? fps : sequence_.fps),
         loop_(loop),
-        clock_(std::move(clock)) {}
+        clock_(std::move(clock)),
+        max_memory_(max_memory) {}
   ~FilePlayer() override { ahead_.close(); }
 
   Result<std::optional<InputFrame>> next(const std::stop_token& stop) override {
@@ -66,7 +68,7 @@ class FilePlayer : public FrameInput {
       }
       if (!loop_ && i >= files_.size()) break;
       const CloudFrame& frame = files_[i % files_.size()];
-      Result<LoadedCloud> cloud = read_cloud_frame(frame);
+      Result<LoadedCloud> cloud = read_cloud_frame(frame, {.max_memory = max_memory_});
       if (i == 0) begun_us_ = clock_.now_us();
       if (!ahead_.push({frame.name(), due(i), std::move(cloud)})) return;
     }
@@ -78,6 +80,7 @@ class FilePlayer : public FrameInput {
   const double fps_;
   const bool loop_;
   const LiveClock clock_;
+  const std::uint64_t max_memory_;
   BoundedQueue<InputFrame> ahead_{kReadAhead};
   std::uint64_t begun_us_ = 0;  ///< used by the reader thread only
   std::atomic<std::uint64_t> skipped_ = 0;
@@ -102,8 +105,8 @@ LiveClock LiveClock::system() {
 }
 
 std::unique_ptr<FrameInput> play_files(CloudSequence sequence, double fps, bool loop,
-                                       LiveClock clock) {
-  return std::make_unique<FilePlayer>(std::move(sequence), fps, loop, std::move(clock));
+                                       LiveClock clock, std::uint64_t max_memory) {
+  return std::make_unique<FilePlayer>(std::move(sequence), fps, loop, std::move(clock), max_memory);
 }
 
 }  // namespace pointreel

@@ -57,19 +57,20 @@ Result<PublishOptions> make_options(const PublishArguments& arguments) {
 /// Opens the input, and takes from its files what the options leave to them.
 Result<std::unique_ptr<FrameInput>> open_input(const PublishArguments& arguments,
                                                PublishOptions& options) {
+  const LiveClock clock = LiveClock::system();
   if (arguments.input == "-")
-    return read_pipe(STDIN_FILENO, LiveClock::system(), arguments.reading);
+    return read_pipe(STDIN_FILENO, clock, arguments.reading, options.max_memory);
   if (arguments.follow)
-    return follow_folder(arguments.input, LiveClock::system(), arguments.reading);
+    return follow_folder(arguments.input, clock, arguments.reading, options.max_memory);
   CloudSequence sequence = TRY(list_cloud_frames({fs::path(arguments.input)}, arguments.topic,
-                                                 ~std::uint64_t{0}, false, arguments.reading));
+                                                 options.max_memory, false, arguments.reading));
   for (const std::string& line : sequence.warnings) print_error("warning: " + line);
   for (const std::string& guess : sequence.guesses) print_error("read as " + guess);
   if (!arguments.sequence.times_of_files()) sequence.times_us.clear();
   if (!sequence.times_us.empty()) options.fps = std::clamp(sequence.fps, kMinFps, kMaxFps);
   if (arguments.sequence.up_of_files())
     options.up = up_of_frame(sequence.frames.front()).value_or(options.up);
-  return play_files(std::move(sequence), options.fps, arguments.loop);
+  return play_files(std::move(sequence), options.fps, arguments.loop, clock, options.max_memory);
 }
 
 void print_json(const PublishSummary& summary) {

@@ -23,8 +23,11 @@ constexpr std::size_t kFirstPiece = 1u << 20;
 
 class PipeReader : public FrameInput {
  public:
-  PipeReader(int descriptor, LiveClock clock, Reading asked)
-      : descriptor_(descriptor), clock_(std::move(clock)), reading_(std::move(asked)) {}
+  PipeReader(int descriptor, LiveClock clock, Reading asked, std::uint64_t max_memory)
+      : descriptor_(descriptor),
+        clock_(std::move(clock)),
+        reading_(std::move(asked)),
+        max_memory_(max_memory) {}
 
   Result<std::optional<InputFrame>> next(const std::stop_token& stop) override {
     if (!reader_.joinable()) reader_ = std::jthread([this](std::stop_token s) { read(s); });
@@ -34,7 +37,7 @@ class PipeReader : public FrameInput {
       const Raw raw = *std::exchange(newest_, std::nullopt);
       lock.unlock();
       InputFrame frame{fmt::format("frame {} of standard input", raw.number), raw.capture_us,
-                       read_cloud(raw.bytes, kOwnFiles, reading_)};
+                       read_cloud(raw.bytes, {.max_memory = max_memory_}, reading_)};
       if (!frame.cloud) {
         frame.cloud = fail_at(frame.name, frame.cloud.error());
       } else if (reading_.full_color == 0.0) {
@@ -114,6 +117,7 @@ class PipeReader : public FrameInput {
   const int descriptor_;
   const LiveClock clock_;
   Reading reading_;
+  const std::uint64_t max_memory_;
   std::mutex mutex_;  // guards what follows
   std::condition_variable_any changed_;
   std::optional<Raw> newest_;
@@ -125,8 +129,9 @@ class PipeReader : public FrameInput {
 
 }  // namespace
 
-std::unique_ptr<FrameInput> read_pipe(int descriptor, LiveClock clock, Reading asked) {
-  return std::make_unique<PipeReader>(descriptor, std::move(clock), std::move(asked));
+std::unique_ptr<FrameInput> read_pipe(int descriptor, LiveClock clock, Reading asked,
+                                      std::uint64_t max_memory) {
+  return std::make_unique<PipeReader>(descriptor, std::move(clock), std::move(asked), max_memory);
 }
 
 }  // namespace pointreel

@@ -189,7 +189,13 @@ TEST(DepthFrame, errors_name_the_part) {
   EXPECT_THAT(error_of(depth_frame(good, view(depth), {}), {.max_points = 1000}),
               HasSubstr("depth: has 160 x 120 pixels; at most 1000"));
   EXPECT_THAT(error_of(depth_frame(good, view(depth), {}), {.max_memory = 1u << 20}),
-              HasSubstr("at most 16384"));
+              HasSubstr("at most 16384 are accepted; raise --frame-memory"));
+  // Depth takes 160 * 120 * 64 bytes, and leaves too few for as many colours.
+  const std::string color = depth_scene::png(depth_scene::color(camera, 0));
+  const DecodeLimits little{.max_memory = 160 * 120 * (64 + 4)};
+  EXPECT_EQ(error_of(depth_frame(good, view(depth), {}), little), "it was read");
+  EXPECT_THAT(error_of(depth_frame(good, view(depth), view(color)), little),
+              HasSubstr("color: has 160 x 120 pixels; at most 9600"));
   Bytes cut = depth_frame(good, view(depth), {});
   for (const std::size_t size :
        {std::size_t{1}, std::size_t{7}, std::size_t{100}, cut.size() - 1}) {

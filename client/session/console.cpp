@@ -30,8 +30,13 @@ void ErrorLines::print(std::size_t source, const std::string& where,
                        std::optional<std::uint32_t> frame, const Error& error) {
   const std::lock_guard lock(mutex_);
   if (printed_.size() >= kMaxLines || !printed_.insert({source, frame}).second) return;
-  const std::string what = frame ? fmt::format("frame {}", *frame) : "sound";
-  newest_ = fmt::format("{}{}: {}", where, what, error.message);
+  const int times = ++times_[{source, error.message}];
+  if (times > 2) return;
+  const std::string what = !frame       ? "sound"
+                           : times == 1 ? fmt::format("frame {}", *frame)
+                                        : "other frames";
+  newest_ = fmt::format("{}{}: {}{}", where, what, error.message,
+                        times == 1 ? "" : " (they are counted but not listed)");
   print_line(progress_, *newest_);
   if (printed_.size() == kMaxLines)
     print_line(progress_, "further broken frames are counted but not listed");

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -16,8 +17,8 @@
 /// What the player prints on standard error while it plays.
 namespace pointreel {
 
-/// Prints one line for each broken frame, and for broken sound, however often it is tried again.
-/// Any thread may call it.
+/// Prints one line for each broken frame, and for broken sound, however often it is tried again. If
+/// many frames fail in the same way, only the first is named. Any thread may call it.
 class ErrorLines {
  public:
   /// From now on lines are printed above this bar; null: there is none.
@@ -34,6 +35,7 @@ class ErrorLines {
   Progress* progress_ = nullptr;
   std::optional<std::string> newest_;
   std::set<std::pair<std::size_t, std::optional<std::uint32_t>>> printed_;
+  std::map<std::pair<std::size_t, std::string>, int> times_;  ///< each message of a source
 };
 
 /// Prints a line when a source gets into trouble, such as a lost connection, and another when it

@@ -1,8 +1,10 @@
 #include "client/source/http_source.h"
 
+#include <functional>
 #include <utility>
 
 #include "client/source/package_source.h"
+#include "client/source/whole_files.h"
 #include "common/base/try.h"
 #include "common/http/http_client.h"
 #include "common/http/http_folder.h"
@@ -13,16 +15,18 @@ namespace {
 class HttpSource : public PackageSource {
  public:
   HttpSource(HttpFolder folder, std::unique_ptr<HttpClient> client, Manifest manifest,
-             std::shared_ptr<const ContextTables> tables)
+             std::shared_ptr<const ContextTables> tables,
+             std::function<void(const std::string&)> say)
       : PackageSource(std::move(manifest), std::move(tables)),
         folder_(std::move(folder)),
-        client_(std::move(client)) {}
+        client_(std::move(client)),
+        files_(*client_, std::move(say)) {}
 
   Result<Bytes> fetch_audio(std::uint64_t offset, std::uint64_t size,
                             const std::stop_token& stop) override {
     const AudioFile& file = *manifest().audio;
     const HttpClient::Range range{folder_.file(file.path), offset, size, file.bytes};
-    std::vector<Bytes> bytes = TRY(client_->get_ranges({&range, 1}, stop));
+    std::vector<Bytes> bytes = TRY(files_.get_ranges({&range, 1}, stop));
     return std::move(bytes.front());
   }
 
@@ -37,11 +41,12 @@ class HttpSource : public PackageSource {
     for (const FileRange& range : ranges)
       wanted.push_back(
           {folder_.file(range.file->path), range.offset, total(range.sizes), range.file->bytes});
-    return client_->get_ranges(wanted, request.stop, request.fresh);
+    return files_.get_ranges(wanted, request.stop, request.fresh);
   }
 
   const HttpFolder folder_;
   const std::unique_ptr<HttpClient> client_;
+  WholeFiles files_;
 };
 
 }  // namespace
@@ -70,7 +75,7 @@ Result<std::unique_ptr<Source>> open_http_source(const std::string& url,
     tables = std::move(*read);
   }
   return std::make_unique<HttpSource>(std::move(folder), std::move(client), *std::move(manifest),
-                                      std::move(tables));
+                                      std::move(tables), options.say);
 }
 
 }  // namespace pointreel

@@ -17,7 +17,7 @@ struct HttpFailure {
     passing,   ///< no connection, a broken one, no answer in time, 5xx
   };
   Kind kind;
-  Error error;              ///< not_found for 404, else io
+  Error error;              ///< not_found for 404, unsupported where ranges are, else io
   std::string advice = {};  ///< what to do about it, if there is anything
 };
 

@@ -251,8 +251,8 @@ std::optional<HttpFailure> HttpTransfer::finish(int code) {
         fmt::format("the server redirects to another host, {}", without_secrets(redirect_.to)),
         "give that address, or --follow-redirects");
   if (wanted_.is_range() && !wanted_.is_whole_file() && answered == 200)
-    return http_failure(Kind::final, "the server sends whole files instead of ranges",
-                        "it must support Range requests");
+    return {
+        {Kind::final, {"the server sends whole files instead of ranges", ErrorCode::unsupported}}};
   if (too_long_)
     return http_failure(Kind::doubtful,
                         fmt::format("the server sends more than the {} bytes expected",

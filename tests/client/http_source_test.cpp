@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "client/source/open_source.h"
+#include "client/source/whole_files.h"
 #include "common/stream/manifest.h"
 #include "pointreel/chunks.h"
 #include "tests/scripted_http_server.h"
@@ -169,12 +170,56 @@ TEST(HttpSource, reports_that_nothing_answers) {
   EXPECT_THAT(open_source(url, patient()).error().message, HasSubstr("nothing answers there"));
 }
 
-TEST(HttpSource, refuses_a_whole_file_in_answer_to_a_range) {
-  EXPECT_THAT(fetch_error([](int socket, const std::string&) {
-                answer(socket, "200 OK", "", text_of(offsets(0, 30)));
-                return true;
-              }),
-              HasSubstr("Range"));
+TEST(HttpSource, fetches_whole_files_once_from_a_server_without_ranges) {
+  std::atomic<int> files = 0;
+  ScriptedHttpServer server(serving([&](int socket, const std::string& head) {
+    ++files;
+    const std::size_t total = head.find("base") != std::string::npos ? 30 : 8;
+    answer(socket, "200 OK", "", text_of(offsets(0, total)));
+    return true;
+  }));
+  SourceOptions options = patient();
+  std::vector<std::string> said;
+  options.say = [&](const std::string& line) { said.push_back(line); };
+  auto source = open_source(server.url() + "/reel", options);
+  ASSERT_TRUE(source) << source.error().message;
+  ASSERT_TRUE((*source)->fetch({0}));
+  const int fetched = files;
+  for (int i = 0; i < 2; ++i) {
+    const auto frame = (*source)->fetch({1});
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(frame->layers[0].bytes, offsets(9, 21));
+    EXPECT_EQ(frame->layers[1].bytes, offsets(5, 3));
+  }
+  EXPECT_EQ(files, fetched) << "they are kept";
+  EXPECT_THAT(said, testing::ElementsAre(HasSubstr("sends whole files instead of ranges")));
+  FetchRequest again{1};
+  again.fresh = true;
+  ASSERT_TRUE((*source)->fetch(again));
+  EXPECT_EQ(files, fetched + 2) << "damaged ones are not";
+}
+
+TEST(HttpSource, fetches_no_whole_file_of_another_size_than_the_manifest_says) {
+  const std::string error = fetch_error([](int socket, const std::string&) {
+    answer(socket, "200 OK", "", text_of(offsets(0, 31)));
+    return true;
+  });
+  EXPECT_THAT(error, HasSubstr("sends more than the 30 bytes expected"));
+}
+
+TEST(HttpSource, fetches_no_whole_file_that_is_too_large) {
+  Manifest manifest = small_manifest();
+  manifest.segments[0].layers[0].bytes = WholeFiles::kMostBytes + 1;
+  ScriptedHttpServer server([&](int socket, const std::string& head) {
+    const bool wants_manifest = head.find("reel.json") != std::string::npos;
+    answer(socket, "200 OK", "", wants_manifest ? write_manifest(manifest) : "x");
+    return true;
+  });
+  auto source = open_source(server.url(), patient());
+  ASSERT_TRUE(source) << source.error().message;
+  const auto frame = (*source)->fetch({0});
+  ASSERT_FALSE(frame);
+  EXPECT_THAT(frame.error().message, HasSubstr("has more than 512 MiB"));
 }
 
 TEST(HttpSource, refuses_a_range_that_was_not_requested) {

@@ -6,6 +6,8 @@ export class FetchError extends Error {}
 const PASSING = new Set([408, 425, 429, 500, 502, 503, 504]);
 const MANIFEST_BYTES = 33_554_432;
 const STALL_MS = 5000;
+/** Of files that servers sent whole where ranges were asked for. */
+const KEPT_BYTES = 64 << 20;
 const sleep = (ms: number) => new Promise((resolve) => setTimeout(resolve, ms));
 
 /** What a person should know of an answer that is not the content. */
@@ -25,6 +27,8 @@ export class Fetcher {
   private active = 0;
   private since = 0;
   private use: LinkUse = { bytes: 0, seconds: 0 };
+  /** Files of a server that sends no ranges, by path; the newest is the last. */
+  private readonly kept = new Map<string, Uint8Array>();
   total = 0;
   requests = 0;
   /** What is wrong with the link at the moment, if anything. */
@@ -69,6 +73,8 @@ export class Fetcher {
   /** The bytes from `from` to before `to` of a file of `size` bytes. */
   async range(path: string, from: number, to: number, size: number, signal: AbortSignal): Promise<Uint8Array> {
     if (from === to) return new Uint8Array();  // HTTP has no empty ranges: servers would send the whole file
+    const kept = this.kept.get(path);
+    if (kept) return kept.slice(from, to);
     let senseless = 0;
     return this.persist(signal, async () => {
       // Chromium has answered neighbouring ranges of one file short out of its cache.
@@ -76,7 +82,10 @@ export class Fetcher {
         headers: { Range: `bytes=${from}-${to - 1}` }, cache: "no-store",
       });
       const body = await this.body(response, size, signal);
-      if (response.status === 200 && body.length === size) return body.subarray(from, to);
+      if (response.status === 200 && body.length === size) {
+        this.keep(path, body);
+        return body.slice(from, to);
+      }
       const range = response.headers.get("Content-Range");
       // Across origins, a server may not let a page read the field.
       const fits = range === null || range === `bytes ${from}-${to - 1}/${size}`;
@@ -84,6 +93,19 @@ export class Fetcher {
       if (++senseless > 1) throw new FetchError(`${path}: the server's answer to a range makes no sense`);
       throw new Error("an answer made no sense");
     });
+  }
+
+  /** One of them is damaged: files are fetched again. */
+  forgetFiles(): void { this.kept.clear(); }
+  private keep(path: string, file: Uint8Array): void {
+    this.kept.delete(path);
+    this.kept.set(path, file);
+    let bytes = [...this.kept.values()].reduce((sum, { length }) => sum + length, 0);
+    for (const [oldest, { length }] of this.kept) {
+      if (bytes <= KEPT_BYTES) break;
+      this.kept.delete(oldest);
+      bytes -= length;
+    }
   }
 
   private async whole(url: URL, most: number, signal: AbortSignal): Promise<Uint8Array> {

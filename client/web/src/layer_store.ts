@@ -83,6 +83,7 @@ export class LayerStore {
   forget(frame: number): void {
     for (const layer of this.kept.get(frame) ?? []) this.bytes -= layer?.length ?? 0;
     this.kept.delete(frame);
+    this.fetcher.forgetFiles();
   }
   free(): void { for (const run of this.runs) run.abort.abort(); }
 

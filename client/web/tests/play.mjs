@@ -193,6 +193,20 @@ test("a player that was taken out of the page and put back plays again", async (
   await close();
 });
 
+test("of a server without ranges, each file is fetched a few times only", async () => {
+  const asked = [];
+  const other = await serve(page, [reel], asked, { ranges: false });
+  const { tab, close } = await open("", {}, other.port);
+  await until(tab, () => document.querySelector("pointreel-player").frame > 20, "the reel plays");
+  assert.equal(await ask(tab, "player.player.trouble"), null);
+  const times = new Map();
+  for (const { path, range } of asked) if (range) times.set(path, (times.get(path) ?? 0) + 1);
+  // Those that were under way when the first came are fetched as well.
+  for (const [path, count] of times) assert.ok(count <= 6, `${path}: ${count} requests`);
+  await close();
+  other.server.close();
+});
+
 test("every control has a name", async () => {
   const { tab, close } = await open("#t=0");
   await settled(tab);
@@ -209,7 +223,7 @@ test("damaged frames are named, and the others are shown", async () => {
     return copy;
   };
   let damages = true;
-  const other = await serve(page, [reel], [], (path, bytes) => (damages ? damaged(path, bytes) : bytes));
+  const other = await serve(page, [reel], [], { damage: (path, bytes) => (damages ? damaged(path, bytes) : bytes) });
   const { tab, close } = await open("#t=0", {}, other.port);
   await until(tab, () => /^frame 0: /.test(document.querySelector("pointreel-player").player.trouble ?? ""), "the frame is named");
   damages = false;

@@ -12,8 +12,11 @@ const TYPES = { ".html": "text/html; charset=utf-8", ".js": "text/javascript", "
 const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; style-src 'self'; " +
   "img-src 'self' blob: data:; font-src 'self'; connect-src 'self'; media-src 'self' blob:; base-uri 'none'; form-action 'none'";
 
-/** `damage`: changes what is sent of a reel's files; its arguments are the path and the bytes. */
-export function serve(page, reels, requests = [], damage = null) {
+/**
+ * `damage`: changes what is sent of a reel's files; its arguments are the path and the bytes.
+ * `ranges`: false sends whole files, whatever is asked for.
+ */
+export function serve(page, reels, requests = [], { damage = null, ranges = true } = {}) {
   const folders = new Map(reels.map((reel) => [basename(reel), reel]));
   const list = () => JSON.stringify({
     packages: [...folders].map(([name, folder]) => {
@@ -41,9 +44,9 @@ export function serve(page, reels, requests = [], damage = null) {
       response.writeHead(404, { "Content-Type": "text/plain" }).end("not found\n");
       return;
     }
-    const size = statSync(file).size, range = /^bytes=(\d+)-(\d*)$/.exec(request.headers.range ?? "");
+    const size = statSync(file).size, range = ranges && /^bytes=(\d+)-(\d*)$/.exec(request.headers.range ?? "");
     const headers = { "Content-Type": TYPES[extname(file)] ?? "application/octet-stream", "Cache-Control": "no-cache",
-                      "Accept-Ranges": "bytes", ...(isShown ? { "Content-Security-Policy": POLICY, Vary: "Accept" } : {}) };
+                      "Accept-Ranges": ranges ? "bytes" : "none", ...(isShown ? { "Content-Security-Policy": POLICY, Vary: "Accept" } : {}) };
     if (!range) {
       response.writeHead(200, { ...headers, "Content-Length": size });
       createReadStream(file).pipe(response);

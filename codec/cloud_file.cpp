@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -221,8 +222,19 @@ void CloudSequence::find_times() {
   fps = 1e6 / static_cast<double>(*middle);
 }
 
+namespace {
+
+/// The end of the warning about missing frames.
+constexpr std::string_view kGapsAreClosed =
+    "; the others are shown one after another (pack --keep-gaps keeps their time)";
+
+}  // namespace
+
 void CloudSequence::keep_gaps(double frames_per_second) {
   if (places.empty()) return;
+  for (std::string& line : warnings) {
+    if (line.ends_with(kGapsAreClosed)) line.erase(line.size() - kGapsAreClosed.size());
+  }
   for (std::size_t i = 0; i < frames.size(); ++i) {
     frames[i].time_us = static_cast<std::uint64_t>(
         std::llround(1e6 * static_cast<double>(places[i]) / frames_per_second));
@@ -244,12 +256,10 @@ void check_numbers(CloudSequence& sequence) {
   if (missing.empty()) return;
   sequence.places = places_by_number(names);
   const std::uint64_t count = sequence.places.back() + 1 - names.size();
-  sequence.warnings.push_back(fmt::format(
-      "{}: {} missing by {}: {}; the others are shown one after another (pack --keep-gaps keeps "
-      "their time)",
-      folder.empty() ? "." : folder.string(),
-      count == 1 ? "a frame is" : fmt::format("{} frames are", count),
-      count == 1 ? "its number" : "their numbers", missing));
+  sequence.warnings.push_back(
+      fmt::format("{}: {} missing by {}: {}{}", folder.empty() ? "." : folder.string(),
+                  count == 1 ? "a frame is" : fmt::format("{} frames are", count),
+                  count == 1 ? "its number" : "their numbers", missing, kGapsAreClosed));
 }
 
 void add_recording(CloudSequence& sequence, const fs::path& file,

@@ -94,6 +94,7 @@ class ReadingGuess {
 
   void guess_full_color() {
     double& full = sequence_.reading.full_color;
+    bool odd = false;
     for (const CloudFrame* frame : looked_) {
       const auto sample = sample_of(*frame, format_);
       if (!sample) continue;
@@ -103,10 +104,12 @@ class ReadingGuess {
       const auto cloud = read_points(ByteSource(ByteView(*sample)), format_, {}, reading, notes);
       if (!cloud || cloud->empty()) continue;
       if (notes.full_color == 0.0) return;
-      full = std::max(full, notes.full_color);
+      if (notes.full_color > full) {
+        full = notes.full_color;
+        odd = notes.odd_colors;
+      }
     }
-    // Floats up to 1 are what everybody expects.
-    if (full > 1.0)
+    if (odd)
       sequence_.guesses.push_back(fmt::format("colours up to {} (--color-max changes it)", full));
   }
 

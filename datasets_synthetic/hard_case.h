@@ -24,6 +24,7 @@ struct HardExpectation {
   std::size_t dropped = 0;          ///< points without a finite position, counted in a warning
   std::size_t unknown_normals = 0;  ///< counted in a warning, and estimated
   std::size_t bad_radii = 0;        ///< counted in a warning
+  std::string cut_at;               ///< named in a warning that other data than points end early
   bool normals = false, colors = false, radii = false;
   bool packs = true;       ///< if not, `pack` must refuse it in one line that names the file
   Box bounds;              ///< of the remaining points, in world coordinates; empty if none remain

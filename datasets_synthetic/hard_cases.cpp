@@ -16,6 +16,7 @@ nlohmann::json json_of(const HardExpectation& expect) {
   nlohmann::json json{{"reads", true},
                       {"points", expect.points},
                       {"dropped", expect.dropped},
+                      {"cut_at", expect.cut_at},
                       {"unknown_normals", expect.unknown_normals},
                       {"bad_radii", expect.bad_radii},
                       {"normals", expect.normals},

@@ -93,7 +93,7 @@ void add_normals(CaseList& list) {
                        std::size_t unknown) {
     HardExpectation expect = expect_table(table);
     expect.unknown_normals = unknown;
-    expect.normals = unknown < kCount;  // where none is usable, they count as missing
+    expect.normals = unknown < kBallPoints;  // where none is usable, they count as missing
     list.add(kRow, file, title, table, expect);
   };
   PlyTable zero = ball(kBallPoints), nan = zero, lengths = zero, none = zero;
@@ -177,11 +177,11 @@ void add_colors(CaseList& list) {
   for (std::size_t i = 6; i < 9; ++i) wild.columns[i].type = PlyType::float32;
   wild.rows = {wild.rows[0], wild.rows[1]};
   wild.rows[0][6] = 1.5, wild.rows[0][7] = kNan, wild.rows[0][8] = -kInf;
-  wild.rows[1][6] = wild.rows[1][7] = wild.rows[1][8] = 300.0;
+  wild.rows[1][6] = wild.rows[1][7] = wild.rows[1][8] = 1e6;
   HardExpectation expect = expect_table(wild);
   expect.first_color = glm::u16vec3(65535, 0, 0);
   list.add("float colours", "color_float_wild.ply",
-           "Float colours of 1.5, NaN, -infinity, and 300, where 1 is white", wild, expect);
+           "Float colours of 1.5, NaN, -infinity, and a million, where 1 is white", wild, expect);
   const PlyTable bare = ball(kBallPoints, glm::dvec3(0.0), PlyType::float32, false);
   list.add("no colours", "color_none.ply", "Positions and nothing else", bare, expect_table(bare));
   PlyTable alpha = ball(kBallPoints);

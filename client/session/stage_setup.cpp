@@ -18,7 +18,7 @@ Stage::Options stage_options(const PlayOptions& options) {
   stage.size = options.picture_size();
   stage.source.fps = options.fps;
   stage.source.placement = options.placement;
-  stage.source.say = [](const std::string& line) { print_error(line); };
+  stage.source.say = [](const std::string& line) { print_error("pointreel", line); };
   stage.source.topic = options.topic;
   stage.source.reading = options.reading;
   stage.source.token = options.token;

@@ -61,9 +61,9 @@ class Source {
 struct SourceOptions : HttpOptions {  ///< token, ca_file and times are for WebSocket too
   /// Of folders of files, which do not tell it; 30 if it is not given, and not for recordings.
   std::optional<double> fps = {};
-  std::string topic = {};                   ///< of recordings that have several
-  Reading reading = {};                     ///< of files: what is not to be guessed
-  Placement placement = {};                 ///< of the points of files
+  std::string topic = {};    ///< of recordings that have several
+  Reading reading = {};      ///< of files: what is not to be guessed
+  Placement placement = {};  ///< of the points of files
   /// Receives lines about files: what is left out, and how they are read.
   std::function<void(const std::string&)> say = {};
   bool sound = false;                       ///< live streams are asked for theirs: OnSound

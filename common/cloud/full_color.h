@@ -24,6 +24,7 @@ inline double likely_full_color(double largest, bool floats) {
 inline double choose_full_color(double largest, bool floats, ReadNotes& notes) {
   const double likely = likely_full_color(largest, floats);
   if (notes.full_color == 0.0) notes.full_color = likely;
+  notes.odd_colors = notes.full_color != (floats ? 1.0 : 65535.0);
   if (likely > notes.full_color) {
     notes.warnings.push_back(concat("has colours up to ", std::llround(std::min(largest, 1e9)),
                                     ", which are cut off at ", std::llround(notes.full_color),

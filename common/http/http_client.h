@@ -42,7 +42,8 @@ class HttpClient {
     std::uint64_t offset = 0, size = 0, total = 0;
   };
   /// Fetches all of them at the same time, and tries HttpOptions::fetch_attempts times. `fresh`:
-  /// asks caches for new copies. The error is `unsupported` if the server sends whole files instead.
+  /// asks caches for new copies. The error is `unsupported` if the server sends whole files
+  /// instead.
   Result<std::vector<Bytes>> get_ranges(std::span<const Range> ranges, const std::stop_token& stop,
                                         bool fresh = false);
 

@@ -209,7 +209,9 @@ TEST(HttpSource, fetches_no_whole_file_of_another_size_than_the_manifest_says) {
 
 TEST(HttpSource, fetches_no_whole_file_that_is_too_large) {
   Manifest manifest = small_manifest();
-  manifest.segments[0].layers[0].bytes = WholeFiles::kMostBytes + 1;
+  LayerFile& base = manifest.segments[0].layers[0];
+  base.bytes = WholeFiles::kMostBytes + 1;
+  base.frames[1] = {static_cast<std::uint32_t>(base.bytes - 20), 6, 5};
   ScriptedHttpServer server([&](int socket, const std::string& head) {
     const bool wants_manifest = head.find("reel.json") != std::string::npos;
     answer(socket, "200 OK", "", wants_manifest ? write_manifest(manifest) : "x");

@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 
 #include "codec/cloud_file.h"
-#include "server/pack/packer.h"
 #include "tests/depth_scene.h"
 #include "tests/temporary_folder.h"
 
@@ -171,18 +170,6 @@ TEST_F(DepthFolder, faults_of_a_folder_are_errors_that_say_where) {
   fs::remove(folder_ / "depth/0.png");
   EXPECT_THAT(error(), HasSubstr("has no point cloud files"));
   EXPECT_FALSE(has_cloud_files(folder_.path()));
-}
-
-TEST_F(DepthFolder, is_packed_within_the_memory_that_a_frame_may_take) {
-  depth_scene::write(folder_.path(), 2, camera_);
-  const TemporaryFolder out;
-  PackOptions options;
-  options.inputs = {folder_.path()};
-  options.output = out.path() / "reel";
-  options.max_memory = 100'000;
-  const auto refused = pack(options);
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message, HasSubstr("raise --frame-memory"));
 }
 
 TEST_F(DepthFolder, intrinsics_that_are_a_pipe_are_not_waited_for) {

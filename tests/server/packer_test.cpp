@@ -14,6 +14,7 @@
 #include "pointreel/draco.h"
 #include "pointreel/package.h"
 #include "server/pack/inspect.h"
+#include "tests/depth_scene.h"
 #include "tests/packed_clouds.h"
 
 namespace pointreel::packer_test {
@@ -438,6 +439,16 @@ TEST(Packer, warns_of_repairs_and_omissions) {
   EXPECT_THAT(lines, ElementsAre(HasSubstr("radii"),
                                  StartsWith((folder.path() / "in/0.ply").string() + ": "),
                                  StartsWith((folder.path() / "in/1.ply").string() + ": ")));
+}
+
+TEST(Packer, reads_depth_within_the_memory_that_a_frame_may_take) {
+  const TemporaryFolder folder;
+  depth_scene::write(folder.path() / "in", 2, depth_scene::camera());
+  PackOptions options;
+  options.inputs = {folder.path() / "in"};
+  options.output = folder.path() / "reel";
+  options.max_memory = 100'000;
+  EXPECT_THAT(error_of(options), HasSubstr("raise --frame-memory"));
 }
 
 TEST(Packer, refuses_values_that_no_client_accepts_before_it_begins) {

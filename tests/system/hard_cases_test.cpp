@@ -34,6 +34,7 @@ std::filesystem::path write(const TemporaryFolder& folder, const HardCase& hard)
 
 std::vector<std::string> warnings_of(const HardExpectation& expect) {
   std::vector<std::string> parts;
+  if (!expect.cut_at.empty()) parts.push_back("the data end|" + expect.cut_at);
   for (const auto& [count, what] : {std::pair{expect.dropped, "without a finite position"},
                                     std::pair{expect.unknown_normals, "no usable normal"},
                                     std::pair{expect.bad_radii, "unusable radius"}}) {

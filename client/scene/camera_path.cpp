@@ -4,7 +4,6 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <initializer_list>
@@ -16,6 +15,7 @@
 
 #include "common/base/try.h"
 #include "common/base/words.h"
+#include "common/base/write_file.h"
 #include "common/stream/json_fields.h"
 #include "common/stream/write_json.h"
 
@@ -252,14 +252,7 @@ Result<CameraPath> load_camera_path(const std::string& file) {
 }
 
 Result<void> save_camera_path(const std::string& file, const CameraPath& path) {
-  const std::string part = file + ".part";
-  std::ofstream out(part, std::ios::binary);
-  out << write_camera_path(path);
-  out.close();
-  if (out && std::rename(part.c_str(), file.c_str()) == 0) return {};
-  const int why = errno;
-  std::remove(part.c_str());
-  return fail(ErrorCode::io, fmt::format("{}: cannot be written: {}", file, std::strerror(why)));
+  return replace_file(file, write_camera_path(path));
 }
 
 }  // namespace pointreel

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <utility>
 
 #include "common/base/print.h"
 #include "common/base/try.h"
 #include "common/base/unix_time.h"
+#include "common/base/write_file.h"
 
 namespace pointreel {
 
@@ -127,11 +127,7 @@ Result<void> Presenter::write_report() const {
     if (!print_lines(text)) return fail(ErrorCode::io, "standard output cannot be written");
     return {};
   }
-  std::ofstream out(options_.json, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) return fail(ErrorCode::io, options_.json + ": cannot be written");
-  return {};
+  return write_file(options_.json, text);
 }
 
 }  // namespace pointreel

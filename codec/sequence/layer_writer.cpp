@@ -24,7 +24,8 @@ void LayerWriter::append(const Chunks<Bytes>& layer) {
 
 Result<LayerFile> LayerWriter::finish() {
   const auto failed = [this] {
-    return fail(ErrorCode::io, file_.path + ": cannot be written; check that the disk is not full");
+    return fail(ErrorCode::io, (folder_ / file_.path).string() +
+                                   ": cannot be written; check that the disk is not full");
   };
   out_.close();
   if (!out_) return failed();

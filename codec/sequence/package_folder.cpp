@@ -1,7 +1,6 @@
 #include "codec/sequence/package_folder.h"
 
 #include <algorithm>
-#include <fstream>
 #include <set>
 #include <system_error>
 
@@ -9,6 +8,8 @@
 
 #include "codec/octree/octree_codec.h"
 #include "common/base/print.h"
+#include "common/base/try.h"
+#include "common/base/write_file.h"
 #include "common/cloud/scalar_fields.h"
 #include "common/stream/manifest.h"
 
@@ -92,13 +93,7 @@ Result<std::uint64_t> write_package_manifest(const fs::path& folder, const Manif
   if (const auto parsed = parse_manifest(text); !parsed) {
     return fail_at("the package would not be valid", parsed.error());
   }
-  std::ofstream out(folder / kManifestName, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) {
-    return fail(ErrorCode::io,
-                shown.string() + ": cannot be written; check that the disk is not full");
-  }
+  TRY(write_file(folder / kManifestName, text));
   return text.size();
 }
 

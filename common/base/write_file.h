@@ -8,8 +8,13 @@
 
 namespace pointreel {
 
-/// Writes a file, replacing an existing one. The error (`io`) begins with the path.
+/// Writes a file, replacing an existing one. If that fails, no part of the file stays. The error
+/// (`io`) begins with the path.
 Result<void> write_file(const std::filesystem::path& path, ByteView bytes);
 Result<void> write_file(const std::filesystem::path& path, std::string_view text);
+
+/// The same, but the existing file stays if that fails, and readers see either it or the new one.
+Result<void> replace_file(const std::filesystem::path& path, ByteView bytes);
+Result<void> replace_file(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace pointreel

@@ -108,7 +108,6 @@ class Sound {
   Result<void> put_waiting() {
     if (waiting_.empty()) return {};
     writer_->put(waiting_, static_cast<std::uint64_t>(end_));
-    if (!writer_->good()) return cannot_write();
     if (writer_->bytes() > kMaxAudioBytes) return too_long();
     return {};
   }
@@ -118,8 +117,9 @@ class Sound {
                                               "pointreel-server audio REEL --remove",
                                               kMaxAudioBytes));
   }
-  static tl::unexpected<Error> cannot_write() {
-    return fail(ErrorCode::io, "the sound cannot be written; check that the disk is not full");
+  tl::unexpected<Error> cannot_write() const {
+    return fail(ErrorCode::io,
+                file_.string() + ": cannot be written; check that the disk is not full");
   }
 
   const fs::path file_;

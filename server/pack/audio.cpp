@@ -122,7 +122,7 @@ Result<AudioFile> write_audio(const fs::path& source, const fs::path& folder,
   audio.bytes = bytes.size();
   audio.checksum = checksum_of(bytes);
   audio.path = fmt::format("audio.{:08x}.opus", audio.checksum >> 32);
-  TRY(write_file(folder / audio.path, bytes));
+  TRY(replace_file(folder / audio.path, bytes));
   return audio;
 }
 
@@ -138,13 +138,12 @@ Result<std::optional<AudioFile>> replace_audio(const fs::path& package,
   if (source) manifest.audio = TRY(write_audio(*source, package, manifest.duration_us, stop, warn));
   const std::string text = write_manifest(manifest);
   TRY(at_place("the package would not be valid", parse_manifest(text)));
-  const fs::path fresh = package / fmt::format("{}.new", kManifestName);
-  TRY(write_file(fresh, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}));
   std::error_code error;
-  fs::rename(fresh, package / kManifestName, error);
-  if (error)
-    return fail(ErrorCode::io, fmt::format("{}: cannot be replaced: {}",
-                                           (package / kManifestName).string(), error.message()));
+  if (const auto replaced = replace_file(package / kManifestName, text); !replaced) {
+    if (manifest.audio && (!before || before->path != manifest.audio->path))
+      fs::remove(package / manifest.audio->path, error);
+    return tl::unexpected(replaced.error());
+  }
   // What the journal held is in the manifest now. Nothing is lost if it, or the old file, stays.
   fs::remove(package / kJournalName, error);
   if (before && (!manifest.audio || before->path != manifest.audio->path))

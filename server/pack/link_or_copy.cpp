@@ -15,7 +15,10 @@ Result<void> link_or_copy(const fs::path& from, const fs::path& to) {
     if (!error) return {};
   }
   fs::copy_file(from, to, error);
-  if (error) return fail(ErrorCode::io, fmt::format("{}: {}", from.string(), error.message()));
+  if (error)
+    return fail(ErrorCode::io,
+                fmt::format("{}: cannot be copied to {}: {}; check that the disk is not full",
+                            from.string(), to.string(), error.message()));
   return {};
 }
 

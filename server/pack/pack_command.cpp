@@ -1,7 +1,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +13,7 @@
 #include "common/base/scratch_folder.h"
 #include "common/base/stop_signal.h"
 #include "common/base/words.h"
+#include "common/base/write_file.h"
 #include "server/commands.h"
 #include "server/pack/cleaning.h"
 #include "server/pack/pack_arguments.h"
@@ -195,11 +195,9 @@ int report(const PackCommand& arguments, const PackOptions& options, const PackS
     print_json(json);
     return kExitOk;
   }
-  std::ofstream out(arguments.json, std::ios::binary);
-  out << json.dump(2, ' ', true, ordered_json::error_handler_t::replace) << "\n";
-  out.close();
-  if (!out) {
-    print_error(arguments.json + ": cannot be written (the package is complete)");
+  const std::string text = json.dump(2, ' ', true, ordered_json::error_handler_t::replace) + "\n";
+  if (const auto written = write_file(arguments.json, text); !written) {
+    print_error(written.error().message + " (the package is complete)");
     return kExitFailed;
   }
   print_text();

@@ -140,9 +140,8 @@ Result<PackedSegment> pack_segment(SegmentInput& input, std::uint32_t first_fram
   if (error) return tl::unexpected(*error);
   if (output.stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
 
-  Result<PackedSegment> packed = writer.finish(input.shared_grid());
-  if (!packed) return fail_at(options.output.string(), packed.error());
-  packed->summary.encode = limits.of_segment(options.encode);
+  PackedSegment packed = TRY(writer.finish(input.shared_grid()));
+  packed.summary.encode = limits.of_segment(options.encode);
   return packed;
 }
 

@@ -23,9 +23,7 @@ Result<PackageTables> learn_package_tables(std::span<const CloudFrame> files, Pa
   std::get<OctreeOptions>(options.encode.codec).tables = TRY(read_table_file(learnt.file));
   LayerWriter writer(folder, "tables");
   writer.append({learnt.file, {}, {}});
-  Result<LayerFile> file = writer.finish();
-  if (!file) return fail_at(options.output.string(), file.error());
-  tables.file = std::move(*file);
+  tables.file = TRY(writer.finish());
   return tables;
 }
 

@@ -106,8 +106,9 @@ class Unpacking {
     fs::copy_file(source, folder / kUnpackedAudio, error);
     if (!error) return {};
     return fail(ErrorCode::io,
-                fmt::format("{}: cannot be copied: {}", options_.input.shown(*manifest_.audio),
-                            error.message()));
+                fmt::format("{}: cannot be copied to {}: {}; check that the disk is not full",
+                            options_.input.shown(*manifest_.audio),
+                            (folder / kUnpackedAudio).string(), error.message()));
   }
 
   Result<PointCloud> decode(std::uint32_t frame) const {

@@ -1,6 +1,5 @@
 // Recordings on disks that fill up, in folders that others use too, and after a crash.
 
-#include <csignal>
 #include <fstream>
 #include <random>
 #include <string>
@@ -8,10 +7,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include "common/stream/manifest.h"
 #include "server/relay/recorded_package.h"
+#include "tests/full_disk.h"
 #include "tests/server/recorder_test.h"
 
 namespace pointreel::recording_faults_test {
@@ -22,27 +21,6 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-/// No file may grow beyond this size while it exists. Writing more fails after what still fits, as
-/// on a full disk.
-class FullDisk {
- public:
-  explicit FullDisk(rlim_t bytes) : before_(std::signal(SIGXFSZ, SIG_IGN)) {
-    ::getrlimit(RLIMIT_FSIZE, &limit_);
-    const rlimit full{bytes, limit_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &full);
-  }
-  ~FullDisk() {
-    ::setrlimit(RLIMIT_FSIZE, &limit_);
-    std::signal(SIGXFSZ, before_);
-  }
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-
- private:
-  rlimit limit_{};
-  void (*before_)(int);
-};
 
 /// How many bytes this process has written so far.
 std::uint64_t bytes_written() {

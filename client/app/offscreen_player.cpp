@@ -154,8 +154,6 @@ class OffscreenPlayer {
     errors_.set_progress(nullptr);
     progress_.reset();
     if (!drawn) return tl::unexpected(drawn.error());
-    if (!presenter_->shown() && !stop_.stop_requested())
-      return fail(options_.sources[0].where + ": no frame could be shown");
     return finish(plan.picture(*drawn).time_us);
   }
 
@@ -275,7 +273,8 @@ class OffscreenPlayer {
 
   /// The last picture is shown until `end_us`, on the clock of record().
   Result<void> finish(std::uint64_t end_us) {
-    if (!presenter_->shown()) return {};
+    if (!presenter_->shown() && stop_.stop_requested()) return {};
+    if (!presenter_->shown()) return tl::unexpected(nothing_shown(options_));
     if (recorder_) TRY(recorder_->finish(end_us - first_recorded_us_.value_or(end_us)));
     if (!options_.screenshot.empty()) TRY(presenter_->painter().write(options_.screenshot));
     return {};

@@ -49,13 +49,24 @@ std::chrono::steady_clock::time_point end_of_duration(const PlayOptions& options
          std::chrono::ceil<SteadyClock::duration>(std::chrono::duration<double>(*options.duration));
 }
 
-Error nothing_came(const PlayOptions& options) {
+namespace {
+
+std::string names_of(const std::vector<Stage::Placed>& sources) {
   std::string names;
-  for (const Stage::Placed& source : options.sources)
-    names += (names.empty() ? "" : ", ") + source.where;
-  return {fmt::format("{}: no frame came within the {} s of --duration", names,
+  for (const Stage::Placed& source : sources) names += (names.empty() ? "" : ", ") + source.where;
+  return names;
+}
+
+}  // namespace
+
+Error nothing_came(const PlayOptions& options) {
+  return {fmt::format("{}: no frame came within the {} s of --duration", names_of(options.sources),
                       number_text(*options.duration)),
           ErrorCode::io};
+}
+
+Error nothing_shown(const PlayOptions& options) {
+  return {names_of(options.sources) + ": no frame could be shown"};
 }
 
 std::uint64_t start_us(const PlayOptions& options) {

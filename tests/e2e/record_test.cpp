@@ -188,6 +188,25 @@ TEST_F(Record, a_folder_that_does_not_exist_is_reported_before_anything_is_drawn
   }
 }
 
+TEST_F(Record, what_shows_no_frame_is_an_error) {
+  ASSERT_EQ(run("pointreel-server", {"pack", "-i", path("in"), "-o", path("reel")}).exit_code, 0);
+  for (const auto& entry : fs::directory_iterator(folder_ / "reel")) {
+    if (entry.path().extension() == ".prs")
+      folder_.write("reel/" + entry.path().filename().string(), std::string(entry.file_size(), 0));
+  }
+  const std::string reel = path("reel");
+  // Several reels are played by the clock, a single one picture by picture.
+  for (const auto& reels : {std::vector{reel}, std::vector{reel, reel}}) {
+    std::vector<std::string> arguments{"play", "--offscreen", "160x120", "--record",
+                                       path("out-%d.png")};
+    arguments.insert(arguments.end(), reels.begin(), reels.end());
+    const Outcome played = run("pointreel", arguments);
+    EXPECT_EQ(played.exit_code, 1) << played.err;
+    EXPECT_THAT(played.err, HasSubstr(": no frame could be shown"));
+    EXPECT_FALSE(fs::exists(folder_ / "out-0.png"));
+  }
+}
+
 TEST_F(Record, an_invalid_camera_path_is_a_usage_error) {
   const Outcome played = play({"--camera", path("in/frame0.ply")});
   EXPECT_EQ(played.exit_code, 2);

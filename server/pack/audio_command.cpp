@@ -49,8 +49,8 @@ void add_audio_command(cli::Command app, int& exit_code) {
   command.add_option("REEL", a->reel, "the folder of the package").required().type_name("");
   command
       .add_option("FILE", a->source,
-                  "any file that ffmpeg reads and that has sound, a video too; what is longer "
-                  "than the reel is cut off")
+                  "any file that ffmpeg reads and that has sound, a video too, but no playlist; "
+                  "what is longer than the reel is cut off")
       .type_name("");
   command.add_flag("--remove", a->remove, "leave the package without sound");
   command.callback([a, &exit_code] { exit_code = run_audio(*a); });

@@ -64,11 +64,12 @@ void PackArguments::add_to(cli::Command command) {
                   "frames in a segment; they share a cube and a file")
       .check(cli::range(1, 100'000))
       .capture_default_str();
-  audio_ = command
-               .add_option("--audio", options_.audio,
-                           "sound, from any file that ffmpeg reads; what is longer than the frames "
-                           "is cut off")
-               .type_name("FILE");
+  audio_ =
+      command
+          .add_option("--audio", options_.audio,
+                      "sound, from any file that ffmpeg reads except playlists; what is longer "
+                      "than the frames is cut off")
+          .type_name("FILE");
   sequence_.sequence.clean = CleanOptions{.without_normals = false};
   sequence_.add_to(command, "folder", "the package then depends on the speed of this machine");
   command.add_flag("--keep-gaps", options_.keep_gaps,

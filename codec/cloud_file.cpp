@@ -75,9 +75,13 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder,
   for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
     const fs::path& path = it->path();
     const Likely likely = is_cloud_name(path.filename().string());
-    std::error_code ignored;  // a dangling link is not a frame
-    if (hidden(path) || likely == Likely::no || !fs::is_regular_file(path, ignored)) continue;
-    (likely == Likely::yes ? files : perhaps).push_back(path);
+    std::error_code ignored;
+    if (hidden(path) || likely == Likely::no) continue;
+    if (fs::is_regular_file(path, ignored)) {
+      (likely == Likely::yes ? files : perhaps).push_back(path);
+    } else if (likely == Likely::yes && warnings != nullptr) {
+      warnings->push_back(path.string() + ": is left out, because it is not a regular file");
+    }
   }
   if (code) {
     return fail(ErrorCode::io,
@@ -275,17 +279,48 @@ void add_recording(CloudSequence& sequence, const fs::path& file,
   sequence.lost_parts += loss.parts;
 }
 
+/// A cloud that came through a pipe, which can be read only once.
+class PipedCloud : public Recording {
+ public:
+  static Result<std::shared_ptr<const Recording>> read_all(const fs::path& path) {
+    ByteSource source = TRY(ByteSource::open_named(path));
+    const CloudFormat format = TRY(format_of_file(source, path));
+    return std::make_shared<PipedCloud>(std::move(source), format);
+  }
+  PipedCloud(ByteSource source, CloudFormat format) : source_(std::move(source)), format_(format) {}
+
+  CloudFormat format() const override { return format_; }
+  std::size_t size() const override { return 1; }
+  std::optional<std::uint64_t> time_ns(std::size_t) const override { return std::nullopt; }
+  std::string name(std::size_t) const override { return "what came through the pipe"; }
+  Result<Bytes> read(std::size_t) const override {
+    return or_out_of_memory([&]() -> Result<Bytes> {
+      Bytes room;
+      const ByteView bytes = TRY(source_.all(room));
+      return Bytes(bytes.begin(), bytes.end());
+    });
+  }
+
+ private:
+  const ByteSource source_;
+  const CloudFormat format_;
+};
+
 /// Null for a file of one cloud.
 Result<std::shared_ptr<const Recording>> open_recording(const fs::path& path,
                                                         const std::string& topic,
                                                         std::uint64_t max_memory,
                                                         bool best_effort) {
   std::error_code ignored;
-  if (fs::is_directory(path, ignored)) return open_depth_folder(path);
+  const fs::file_status kind = fs::status(path, ignored);
+  if (fs::is_directory(kind)) return open_depth_folder(path);
   const std::string name = path.string();
   const CloudFormat format = format_of({}, path.filename().string());
   if (format == CloudFormat::depth_video) return at_place(name, open_depth_video(path, max_memory));
-  if (format != CloudFormat::mcap) return nullptr;
+  if (format != CloudFormat::mcap) {
+    if (fs::is_fifo(kind) || fs::is_socket(kind)) return at_place(name, PipedCloud::read_all(path));
+    return nullptr;
+  }
   ByteSource source = TRY(at_place(name, ByteSource::open_named(path)));
   return TRY(
       at_place(name, McapRecording::open(std::move(source), topic, max_memory, best_effort)));
@@ -344,7 +379,7 @@ Result<CloudBytes> fetch_cloud_frame(const CloudFrame& frame, std::uint64_t max_
 }
 
 std::optional<char> up_of_file(const fs::path& path) {
-  const auto source = ByteSource::open_named(path);
+  const auto source = ByteSource::open(path);
   if (!source) return std::nullopt;
   const auto format = format_of_file(*source, path);
   return format ? up_of(*format) : std::nullopt;

@@ -57,8 +57,8 @@ Result<void> check_size(const VideoTrack& track) {
 
 class DepthVideo : public Recording {
  public:
-  DepthVideo(std::string intrinsics, std::unique_ptr<VideoPictures> depth)
-      : intrinsics_(std::move(intrinsics)), depth_(std::move(depth)) {}
+  DepthVideo(std::string intrinsics, std::unique_ptr<VideoPictures> depth, bool ends_early)
+      : intrinsics_(std::move(intrinsics)), depth_(std::move(depth)), ends_early_(ends_early) {}
 
   void add_colors(std::unique_ptr<VideoPictures> color) {
     matches_ = nearest_in_time(depth_->track().times_us, color->track().times_us);
@@ -69,6 +69,14 @@ class DepthVideo : public Recording {
   std::size_t size() const override { return depth_->track().times_us.size(); }
   std::optional<std::uint64_t> time_ns(std::size_t frame) const override {
     return depth_->track().times_us[frame] * 1000;
+  }
+  RecordingLoss loss() const override {
+    RecordingLoss loss;
+    if (ends_early_)
+      loss.warnings.push_back(concat("ends early, after ", size(),
+                                     size() == 1 ? " frame" : " frames",
+                                     ": what comes before is read"));
+    return loss;
   }
   std::string name(std::size_t frame) const override { return concat("picture ", frame); }
 
@@ -84,6 +92,7 @@ class DepthVideo : public Recording {
  private:
   const std::string intrinsics_;
   const std::unique_ptr<VideoPictures> depth_;
+  const bool ends_early_;
   std::unique_ptr<VideoPictures> color_;
   std::vector<std::size_t> matches_;  ///< the picture of colours of each frame
 };
@@ -94,7 +103,7 @@ Result<std::shared_ptr<const Recording>> open_depth_video(const fs::path& file,
                                                           std::uint64_t max_memory) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return fail("is not a file");
-  const std::vector<VideoTrack> tracks = TRY(probe_video(file));
+  const auto [tracks, ends_early] = TRY(probe_video(file));
   const VideoTrack* const depth = find_track(tracks, true, "DEPTH");
   if (depth == nullptr) return no_depth(tracks);
   TRY(check_size(*depth));
@@ -103,7 +112,7 @@ Result<std::shared_ptr<const Recording>> open_depth_video(const fs::path& file,
   std::string intrinsics = TRY(find_intrinsics(beside));
   auto video = std::make_shared<DepthVideo>(
       std::move(intrinsics),
-      std::make_unique<VideoPictures>(file, *depth, Kind::depth, max_memory / 2));
+      std::make_unique<VideoPictures>(file, *depth, Kind::depth, max_memory / 2), ends_early);
   if (const VideoTrack* const color = find_track(tracks, false, "COLOR")) {
     TRY(check_size(*color));
     video->add_colors(std::make_unique<VideoPictures>(file, *color, Kind::color, max_memory / 2));

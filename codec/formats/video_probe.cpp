@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -29,8 +30,8 @@ Result<std::int64_t> time_of(std::string_view seconds) {
 
 }  // namespace
 
-Result<std::vector<VideoTrack>> probe_video(const std::filesystem::path& file) {
-  std::vector<VideoTrack> tracks;
+Result<VideoProbe> probe_video(const std::filesystem::path& file) {
+  VideoProbe probe;
   std::map<int, std::vector<std::pair<std::int64_t, bool>>> pictures;
   std::size_t count = 0;
   std::int64_t start = 0;
@@ -53,7 +54,7 @@ Result<std::vector<VideoTrack>> probe_video(const std::filesystem::path& file) {
           track.title = line.value("tag:title");
           track.width = line.number<std::uint32_t>("width");
           track.height = line.number<std::uint32_t>("height");
-          tracks.push_back(std::move(track));
+          probe.tracks.push_back(std::move(track));
         } else if (line.is("format|")) {
           if (const auto time = time_of(line.value("start_time"))) start = *time;
         }
@@ -67,7 +68,9 @@ Result<std::vector<VideoTrack>> probe_video(const std::filesystem::path& file) {
                     ? concat("is no video in Matroska that can be read: ", printable(why.message))
                     : why.message);
   }
-  for (VideoTrack& track : tracks) {
+  // Said of Matroska's elements, of which the outermost has the length of the file.
+  probe.ends_early = read->find("File ended prematurely") != std::string::npos;
+  for (VideoTrack& track : probe.tracks) {
     auto& of_track = pictures[track.index];
     std::sort(of_track.begin(), of_track.end());
     for (const auto& [time, is_key] : of_track) {
@@ -75,7 +78,7 @@ Result<std::vector<VideoTrack>> probe_video(const std::filesystem::path& file) {
       track.is_key.push_back(is_key);
     }
   }
-  return tracks;
+  return probe;
 }
 
 }  // namespace pointreel

@@ -19,10 +19,15 @@ struct VideoTrack {
   std::vector<bool> is_key;  ///< of each picture: it needs no other to be decoded
 };
 
+struct VideoProbe {
+  std::vector<VideoTrack> tracks;  ///< those of pictures
+  bool ends_early = false;         ///< cut off, as after a crash
+};
+
 /// The tracks of pictures in a Matroska file, by ffprobe, which reads the whole file but decodes
 /// nothing. Errors do not contain the path: `not_found` if ffprobe is not installed; `invalid`,
 /// `limit`, `io`. Trust: see depth_video.h.
-Result<std::vector<VideoTrack>> probe_video(const std::filesystem::path& file);
+Result<VideoProbe> probe_video(const std::filesystem::path& file);
 
 /// For errors where ffmpeg or ffprobe is missing.
 inline constexpr const char* kVideoNeedsFfmpeg =

@@ -1,10 +1,16 @@
 #include "codec/cloud_file.h"
 
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <optional>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "codec/draco/draco_payload.h"
 #include "common/cloud/ply.h"
@@ -191,6 +197,33 @@ TEST_F(CloudFile, a_folder_gives_its_frames_in_natural_order) {
   const auto files = list_cloud_files({folder_.path()});
   ASSERT_TRUE(files) << files.error().message;
   EXPECT_THAT(names(*files), ElementsAre("frame1.ply", "frame2.PLY", "frame10.ply"));
+}
+
+TEST_F(CloudFile, a_pipe_in_a_folder_is_no_frame_and_it_is_said) {
+  write("1.ply", kPly);
+  ASSERT_EQ(::mkfifo((folder_ / "2.ply").c_str(), 0600), 0);
+  const auto sequence = list_cloud_frames({folder_.path()});
+  ASSERT_TRUE(sequence) << sequence.error().message;
+  EXPECT_EQ(sequence->frames.size(), 1u);
+  EXPECT_THAT(sequence->warnings, ElementsAre((folder_ / "2.ply").string() +
+                                              ": is left out, because it is not a regular file"));
+}
+
+TEST_F(CloudFile, a_pipe_that_is_named_is_read_once_and_kept) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe(ends.data()), 0);
+  ASSERT_EQ(::write(ends[1], kPly.data(), kPly.size()), std::ssize(kPly));
+  ::close(ends[1]);
+  const auto sequence = list_cloud_frames({fmt::format("/dev/fd/{}", ends[0])});
+  ::close(ends[0]);
+  ASSERT_TRUE(sequence) << sequence.error().message;
+  ASSERT_EQ(sequence->frames.size(), 1u);
+  EXPECT_EQ(up_of_frame(sequence->frames[0]), std::nullopt);
+  for (int time = 0; time < 2; ++time) {
+    const auto loaded = read_cloud_frame(sequence->frames[0]);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    EXPECT_EQ(loaded->cloud.size(), 2u);
+  }
 }
 
 TEST_F(CloudFile, of_several_formats_the_commonest_has_the_frames) {

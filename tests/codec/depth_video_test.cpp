@@ -214,6 +214,9 @@ TEST_F(DepthVideo, a_damaged_picture_is_an_error_and_takes_no_place_of_another) 
   const auto cut = list_cloud_frames({video()});
   ASSERT_TRUE(cut) << cut.error().message;
   EXPECT_TRUE(read_cloud_frame(cut->frames[0]));
+  EXPECT_THAT(cut->warnings, testing::ElementsAre(fmt::format(
+                                 "{}: ends early, after {} frames: what comes before is read",
+                                 video().string(), cut->frames.size())));
 }
 
 }  // namespace

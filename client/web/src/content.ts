@@ -10,6 +10,9 @@ import { Assets, Pool } from "./pool";
 import { Reel, ScalarRange } from "./reel";
 import { Sound, Soundtrack } from "./sound";
 
+/** A link may name any number of live streams, and each takes a connection and memory. */
+const MOST_STREAMS = 16;
+
 export interface ContentOptions {
   loop: boolean;
   startUs: number;
@@ -46,6 +49,7 @@ export class Content {
   private readonly first: FrameFacts[] = [];
   /** By the module that decodes. */
   private readonly pools = new Map<WebAssembly.Module, Pool>();
+  private tooMany: string | null = null;
 
   private constructor(private readonly base: URL, readonly module: Module, private readonly assets: Assets,
                       private readonly fetcher: Fetcher | null, private readonly signal: AbortSignal) {}
@@ -66,7 +70,8 @@ export class Content {
       if (manifest && fetcher) await content.openReel(Reel.read(module, manifest), fetcher, options, changed);
       else {
         const sounds = (content.liveSounds = new LiveSounds(options.muted));
-        content.live = urls.map((url, i) => new LivePlayback(
+        if (urls.length > MOST_STREAMS) content.tooMany = `only the first ${MOST_STREAMS} of ${urls.length} live streams are shown`;
+        content.live = urls.slice(0, MOST_STREAMS).map((url, i) => new LivePlayback(
           url.href, options.places[i] ?? [0, 0, 0], token, module, (isDraco) => content.poolFor(isDraco), sounds.makeStream(), changed));
       }
       return content;
@@ -156,7 +161,8 @@ export class Content {
   /** What is wrong at the moment, in one line, or null. */
   get trouble(): string | null {
     const first = (lines: (string | null)[]) => lines.find((line) => line) ?? null;
-    return first([...[...this.pools.values()].map((pool) => pool.trouble), this.fetcher?.trouble ?? null,
+    const trouble = first([...[...this.pools.values()].map((pool) => pool.trouble), this.fetcher?.trouble ?? null,
                   ...this.live.map((live) => live.error ?? live.sound.error), this.reel?.error ?? null]);
+    return [this.tooMany, trouble].filter((line) => line).join("; ") || null;
   }
 }

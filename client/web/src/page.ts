@@ -13,6 +13,15 @@ const base = new URL(new URL("../../", import.meta.url).pathname.replace(/live\/
 // A token in the fragment never reaches the server's log.
 const token = new URLSearchParams(location.hash.slice(1)).get("token");
 
+/** Part of an address, for people; as it is, if it is not UTF-8: names of folders need not be. */
+function decoded(part: string): string {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part;
+  }
+}
+
 /** The addresses to play, or null for the list. */
 function sources(): string | null {
   const live = (name: string) => {
@@ -24,7 +33,7 @@ function sources(): string | null {
   if (names) return names.split(",").map((name) => (/^wss?:/.test(name) ? name : live(name))).join(" ");
   if (reel) return reel;
   const path = location.pathname.slice(base.pathname.length).replace(/\/?(index\.html)?$/, "");
-  if (path.startsWith("live/")) return live(decodeURIComponent(path.slice(5)));
+  if (path.startsWith("live/")) return live(decoded(path.slice(5)));
   return path === "" ? null : new URL(path, base).href;
 }
 
@@ -55,7 +64,7 @@ function show(src: string): void {
       clearTimeout(timer);
       timer = window.setTimeout(() => { if (player.paused && player.player.pictures > 0) note(); }, 500);
     });
-  document.title = `${decodeURIComponent(src.split(/[/?]/).filter((p) => p && p !== "reel.json").pop() ?? "")} – Pointreel`;
+  document.title = `${decoded(src.split(/[/?]/).filter((p) => p && p !== "reel.json").pop() ?? "")} – Pointreel`;
   // Keys work from anywhere on the page.
   document.addEventListener("keydown", (event) => {
     if (event.target === document.body) player.dispatchEvent(new KeyboardEvent("keydown", event));

@@ -45,6 +45,16 @@ test("two publishers stand beside each other in one scene", async () => {
   for (const program of [...publishers, server]) await program.end();
 });
 
+test("a link that names very many streams opens some of them and says so", async () => {
+  const server = await serveLive(), names = Array.from({ length: 200 }, (_, i) => `s${i}`);
+  const { tab, close } = await open(`http://${server.address}/?live=${names.join(",")}#token=see`);
+  await until(tab, `document.querySelector("pointreel-player").player.isOpen`, "it is open", WAIT);
+  assert.equal(await ask(tab, "player.player.live.length"), 16);
+  await says(tab, "only the first 16 of 200 live streams are shown");
+  await close();
+  await server.end();
+});
+
 test("without the right token, one line says what to do", async () => {
   const server = await serveLive();
   const publisher = publishTo(server.address, "alice");

@@ -38,6 +38,14 @@ function sphereWithStray() {
           "property float z", "end_header", ...points.map((p) => p.join(" ")), ""].join("\n");
 }
 
+test("keys work where the address is not UTF-8", async () => {
+  const { tab, close } = await openTab(browser, `http://127.0.0.1:${port}/?reel=/${basename(reel)}/reel.json?%25e9#t=0`);
+  await settled(tab);
+  await tab.keyboard.press(".");
+  await until(tab, () => document.querySelector("pointreel-player").frame === 1, "the next frame is shown");
+  await close();
+});
+
 test("a stray point does not make the rest small in the first view", async () => {
   const clouds = join(folder, "stray_clouds"), stray = join(folder, "stray");
   mkdirSync(clouds);

@@ -15,7 +15,7 @@ CloudFormat format_of(ByteView begin, std::string_view) {
   const auto begins_with = [&](std::string_view text) {
     return begin.size() >= text.size() && std::memcmp(begin.data(), text.data(), text.size()) == 0;
   };
-  if (begins_with("ply")) return CloudFormat::ply;
+  if (begins_with("ply") || begins_with("PLY")) return CloudFormat::ply;
   return begins_with("DRACO") ? CloudFormat::drc : CloudFormat::unknown;
 }
 

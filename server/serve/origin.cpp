@@ -26,7 +26,7 @@ std::string_view authority_of(std::string_view origin) {
   for (const std::string_view scheme : {"http://", "https://"}) {
     if (!origin.starts_with(scheme)) continue;
     const std::string_view rest = origin.substr(scheme.size());
-    return rest.find_first_of("/?#@ ,") == std::string_view::npos ? rest : std::string_view();
+    return rest.find_first_of("/?#@ ,;") == std::string_view::npos ? rest : std::string_view();
   }
   return {};
 }
@@ -39,6 +39,13 @@ bool is_loopback_name(const std::string& host) {
   return ::inet_pton(AF_INET6, host.c_str(), &v6) == 1 && IN6_IS_ADDR_LOOPBACK(&v6);
 }
 
+tl::unexpected<Error> no_origin(std::string_view option, std::string_view given) {
+  return fail(ErrorCode::argument,
+              fmt::format("{} {}: is not an origin such as https://example.org or "
+                          "http://example.org:8080, nor *",
+                          option, given));
+}
+
 }  // namespace
 
 Result<Origins> Origins::parse(const std::vector<std::string>& allowed) {
@@ -49,16 +56,23 @@ Result<Origins> Origins::parse(const std::vector<std::string>& allowed) {
     if (given == "*") {
       origins.any_ = true;
     } else if (authority.empty()) {
-      return fail(ErrorCode::argument,
-                  fmt::format("--allow-origin {}: is not an origin such as https://example.org or "
-                              "http://example.org:8080, nor *",
-                              given));
+      return no_origin("--allow-origin", given);
     } else {
       origins.hosts_.emplace_back(without_port(authority));
       origins.origins_.push_back(origin);
     }
   }
   return origins;
+}
+
+Result<std::string> parse_frame_ancestors(const std::vector<std::string>& allowed) {
+  std::string ancestors = "'self'";
+  for (const std::string& given : allowed) {
+    const std::string origin = lower(given);
+    if (given != "*" && authority_of(origin).empty()) return no_origin("--embed-in", given);
+    ancestors += " " + origin;
+  }
+  return ancestors;
 }
 
 bool Origins::lists(std::string_view origin) const {

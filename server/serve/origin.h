@@ -39,4 +39,8 @@ class Origins {
   std::vector<std::string> origins_, hosts_;  ///< in lower case; hosts without ports
 };
 
+/// Which pages may show the server's own page in a frame, as the directive frame-ancestors of a
+/// Content-Security-Policy has it: those of the server itself and of `allowed`, which are as above.
+Result<std::string> parse_frame_ancestors(const std::vector<std::string>& allowed);
+
 }  // namespace pointreel

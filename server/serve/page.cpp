@@ -19,7 +19,8 @@ constexpr std::string_view kFolder = "/page/";
 constexpr std::string_view kPolicy =
     "Content-Security-Policy: default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; "
     "worker-src 'self'; style-src 'self'; img-src 'self' blob: data:; font-src 'self'; "
-    "connect-src 'self'; media-src 'self' blob:; base-uri 'none'; form-action 'none'\r\n"
+    "connect-src 'self'; media-src 'self' blob:; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors {}\r\n"
     "Referrer-Policy: no-referrer\r\n";
 
 std::string_view type_of(std::string_view name) {
@@ -40,12 +41,14 @@ std::string_view type_of(std::string_view name) {
 
 }  // namespace
 
-std::shared_ptr<const Page::Forms> Page::forms_of(const PageFile& file) {
+std::shared_ptr<const Page::Forms> Page::forms_of(const PageFile& file,
+                                                  std::string_view frame_ancestors) {
   const bool start = file.name == kStart;
   const auto form = [&](std::string_view content, std::string_view coding) {
     // The start depends on what a browser asks for, too: programs get JSON at the same address.
-    std::string fields = start ? std::string(kPolicy) + "Vary: Accept, Accept-Encoding\r\n"
-                               : "Vary: Accept-Encoding\r\n";
+    std::string fields =
+        start ? fmt::format(kPolicy, frame_ancestors) + "Vary: Accept, Accept-Encoding\r\n"
+              : "Vary: Accept-Encoding\r\n";
     if (!coding.empty()) fields += fmt::format("Content-Encoding: {}\r\n", coding);
     Resource resource = text_resource(std::string(type_of(file.name)),
                                       start ? kRevalidate : kImmutable, std::string(content));
@@ -59,12 +62,12 @@ std::shared_ptr<const Page::Forms> Page::forms_of(const PageFile& file) {
   return std::make_shared<const Forms>(std::move(forms));
 }
 
-Page::Page(std::span<const PageFile> files) {
+Page::Page(std::span<const PageFile> files, std::string_view frame_ancestors) {
   for (const PageFile& file : files) {
     if (file.name == kStart) {
-      start_ = forms_of(file);
+      start_ = forms_of(file, frame_ancestors);
     } else {
-      files_.emplace(file.name, forms_of(file));
+      files_.emplace(file.name, forms_of(file, frame_ancestors));
     }
   }
 }

@@ -28,8 +28,8 @@ class Page {
  public:
   /// No page.
   Page() = default;
-  /// The memory of `files` must stay valid.
-  explicit Page(std::span<const PageFile> files);
+  /// The memory of `files` must stay valid. `frame_ancestors`: see parse_frame_ancestors.
+  explicit Page(std::span<const PageFile> files, std::string_view frame_ancestors = "'self'");
 
   bool empty() const { return start_ == nullptr; }
 
@@ -48,7 +48,8 @@ class Page {
   };
   static const std::shared_ptr<const Resource>& best(const Forms& forms,
                                                      std::string_view accept_encoding);
-  static std::shared_ptr<const Forms> forms_of(const PageFile& file);
+  static std::shared_ptr<const Forms> forms_of(const PageFile& file,
+                                               std::string_view frame_ancestors);
 
   std::shared_ptr<const Forms> start_;
   std::unordered_map<std::string, std::shared_ptr<const Forms>, PathHash, std::equal_to<>> files_;

@@ -35,7 +35,7 @@ struct ServeArguments {
   std::string log = name(options.service.log);
   bool live = false, no_page = false;
   std::filesystem::path record;
-  std::vector<std::string> origins;
+  std::vector<std::string> origins, embedders;
   double grace = 10.0;  ///< seconds
   std::vector<std::string> relay_from;
   std::string relay_token, relay_ca;
@@ -73,7 +73,8 @@ Result<HttpServerOptions> options_of(const ServeArguments& arguments) {
       return fail(ErrorCode::argument, std::move(fault));
     }
   }
-  if (!arguments.no_page) options.service.page = Page(built_in_page());
+  const std::string frame_ancestors = TRY(parse_frame_ancestors(arguments.embedders));
+  if (!arguments.no_page) options.service.page = Page(built_in_page(), frame_ancestors);
   options.service.origins = TRY(Origins::parse(arguments.origins));
   // A server that relays others needs no publishers of its own.
   if (arguments.live && arguments.relay_from.empty() && options.service.publish_token.empty() &&
@@ -376,6 +377,12 @@ cli::Command define_serve(cli::Command app, const std::shared_ptr<ServeArguments
       .add_option("--allow-origin", arguments->origins,
                   "let pages of this origin, such as https://example.org, read what the server "
                   "answers and connect to live streams; * for all pages; may be repeated")
+      .type_name("ORIGIN")
+      .allow_extra_args(false);
+  command
+      .add_option("--embed-in", arguments->embedders,
+                  "let pages of this origin show the page of this server in a frame; * for all "
+                  "pages; may be repeated")
       .type_name("ORIGIN")
       .allow_extra_args(false);
   command.add_flag(

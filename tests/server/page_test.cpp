@@ -11,11 +11,13 @@
 
 #include "server/relay/relay.h"
 #include "server/serve/negotiation.h"
+#include "server/serve/origin.h"
 #include "tests/server/http_server_test.h"
 
 namespace pointreel::page_test {
 namespace {
 
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
@@ -76,6 +78,21 @@ TEST_F(PageTest, gives_browsers_the_page_where_programs_get_data) {
   EXPECT_EQ(get("/walk/reel.json", kBrowser).field("content-type"), "application/json");
   EXPECT_EQ(get("/healthz", kBrowser).body, "ok\n");
   EXPECT_EQ(get("/missing", kBrowser).status, 404);
+}
+
+TEST_F(PageTest, may_be_framed_by_pages_of_the_server_and_by_others_that_are_named) {
+  start_with_page();
+  EXPECT_THAT(get("/", kBrowser).field("content-security-policy"),
+              EndsWith("; frame-ancestors 'self'"));
+  HttpServerOptions options;
+  options.service.page =
+      Page(kFiles, parse_frame_ancestors({"https://Example.org:8443", "http://a.b"}).value());
+  start(options);
+  EXPECT_THAT(get("/", kBrowser).field("content-security-policy"),
+              EndsWith("; frame-ancestors 'self' https://example.org:8443 http://a.b"));
+  EXPECT_EQ(parse_frame_ancestors({"*"}).value(), "'self' *");
+  for (const char* none : {"example.org", "https://a.b/c", "https://a;script-src", ""})
+    EXPECT_FALSE(parse_frame_ancestors({none})) << none;
 }
 
 TEST_F(PageTest, sends_the_form_that_the_browser_understands_best) {

@@ -279,6 +279,8 @@ TEST_F(ServeCommandTest, reports_every_failure_in_one_line) {
   }
   EXPECT_THAT(failure_of({reel_.string(), reel_.string()}), HasSubstr("another package is named"));
   EXPECT_THAT(failure_of({reel_.string(), "--listen", "nowhere"}), HasSubstr("--listen nowhere"));
+  EXPECT_THAT(failure_of({reel_.string(), "--embed-in", "example.org"}),
+              HasSubstr("--embed-in example.org"));
   EXPECT_THAT(failure_of({reel_.string(), "--allow-origin", "example.org"}),
               HasSubstr("--allow-origin example.org"));
   EXPECT_THAT(failure_of({"--live", "--listen", "0.0.0.0:0"}), HasSubstr("needs --publish-token"));

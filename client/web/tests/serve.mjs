@@ -10,7 +10,8 @@ const TYPES = { ".html": "text/html; charset=utf-8", ".js": "text/javascript", "
                 ".wasm": "application/wasm", ".json": "application/json", ".opus": "audio/ogg" };
 // The policy of server/serve/page.cpp, so that the tests show that the page needs no more.
 const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; style-src 'self'; " +
-  "img-src 'self' blob: data:; font-src 'self'; connect-src 'self'; media-src 'self' blob:; base-uri 'none'; form-action 'none'";
+  "img-src 'self' blob: data:; font-src 'self'; connect-src 'self'; media-src 'self' blob:; base-uri 'none'; form-action 'none'; " +
+  "frame-ancestors 'self'";
 
 /**
  * `damage`: changes what is sent of a reel's files; its arguments are the path and the bytes.

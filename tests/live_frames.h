@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -31,10 +32,12 @@ inline LiveMessage publisher_message(std::uint8_t number = 1,
 
 /// The base begins with a frame header if it has the size for it.
 inline LiveMessage layer_message(std::uint32_t frame, std::uint8_t layer, std::uint8_t layers = 3,
-                                 std::size_t size = kFrameHeaderSize) {
+                                 std::size_t size = kFrameHeaderSize,
+                                 FrameHeader of_frame = {.source_points = 4, .cube = {}}) {
   Bytes bytes;
   if (layer == 0 && size >= kFrameHeaderSize) {
-    write_frame_header({.layers = layers, .source_points = 4, .cube = {}}, frame, bytes);
+    of_frame.layers = std::max(of_frame.layers, layers);
+    write_frame_header(of_frame, frame, bytes);
   }
   bytes.resize(size, static_cast<std::uint8_t>(frame));
   LiveLayer header;
@@ -42,7 +45,7 @@ inline LiveMessage layer_message(std::uint32_t frame, std::uint8_t layer, std::u
   header.layer = layer;
   header.layers = layers;
   header.capture_us = 1'000'000 + 33'333u * frame;
-  header.points = 4;
+  header.points = of_frame.source_points;
   header.sizes.geometry = static_cast<std::uint32_t>(size);
   header.bytes = bytes;
   return {LiveMessage::Kind::binary, std::make_shared<const Bytes>(write_live_layer(header))};

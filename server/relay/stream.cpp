@@ -172,6 +172,16 @@ Result<void> Stream::check_frame(const LiveLayer& layer) {
   if (frame.source_points != layer.points) {
     return fail(fmt::format("{} points, but the frame has {}", layer.points, frame.source_points));
   }
+  if (const std::uint32_t most = DecodeLimits().max_points; frame.source_points > most) {
+    return fail(ErrorCode::limit, fmt::format("the frame has {} points, and viewers decode {}",
+                                              frame.source_points, most));
+  }
+  if (frame.layers > parsed_hello_.layer_names.size()) {
+    return fail(fmt::format("the frame has {}, the hello names {}", counted(frame.layers, "layer"),
+                            parsed_hello_.layer_names.size()));
+  }
+  if (frame.has_colors && !parsed_hello_.colors) return fail("has colours, the hello has none");
+  if (frame.has_normals && !parsed_hello_.normals) return fail("has normals, the hello has none");
   TRY(at_place("cube", check_cube(frame.cube)));
   Box cubes = cubes_;
   cubes.grow(box_of(frame.cube));

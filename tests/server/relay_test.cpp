@@ -123,6 +123,22 @@ TEST(Relay, messages_out_of_order_end_the_publication) {
   EXPECT_THAT(refusal(*publication, damaged), HasSubstr("damaged"));
 }
 
+TEST(Relay, a_frame_that_exceeds_its_hello_or_what_viewers_decode_is_refused) {
+  Relay relay;
+  const auto publication = relay.publish("stage").value();
+  ASSERT_TRUE(publication->message(hello_message()));
+  const auto refused = [&](FrameHeader frame) {
+    return refusal(*publication, layer_message(0, 0, 1, kFrameHeaderSize, frame));
+  };
+  EXPECT_THAT(refused({.has_colors = true, .cube = {}}), HasSubstr("has colours"));
+  EXPECT_THAT(refused({.has_normals = true, .cube = {}}), HasSubstr("has normals"));
+  EXPECT_THAT(refused({.layers = 4, .cube = {}}), HasSubstr("4 layers, the hello names 3"));
+  const std::uint32_t most = DecodeLimits().max_points;
+  EXPECT_THAT(refused({.source_points = most + 1, .cube = {}}), HasSubstr("viewers decode"));
+  EXPECT_EQ(relay.statistics().front().frames, 0u) << "neither viewers nor recordings got one";
+  EXPECT_EQ(refused({.layers = 3, .source_points = most, .cube = {}}), "");
+}
+
 TEST(Relay, text_messages_of_unknown_types_are_accepted) {
   Relay relay;
   const auto publication = relay.publish("stage").value();

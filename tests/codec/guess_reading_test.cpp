@@ -50,14 +50,15 @@ class GuessReading : public testing::Test {
 
 TEST_F(GuessReading, a_dark_frame_has_the_range_of_colors_of_the_others) {
   for (const char* type : {"float", "ushort", "int"}) {
-    const double dark = type == std::string("float") ? 1.5 : 100;
-    const double bright = type == std::string("float") ? 255 : 65535;
+    const bool floats = type == std::string("float");
+    const double dark = floats ? 1.5 : 100, bright = floats ? 255 : 65535;
     folder_.write("1.ply", ply(type, dark));
     folder_.write("2.ply", ply(type, bright));
     folder_.write("3.ply", ply(type, dark));
     const CloudSequence sequence = list();
     EXPECT_EQ(sequence.reading.full_color, bright) << type;
-    EXPECT_THAT(sequence.guesses, ElementsAre(HasSubstr("--color-max")));
+    // Integers of 16 bits usually end at 65535, which needs no word.
+    EXPECT_EQ(sequence.guesses.size(), floats ? 1u : 0u) << type;
     const auto expected = static_cast<std::uint16_t>(dark / bright * 65535.0 + 0.5);
     EXPECT_THAT(greens(sequence), ElementsAre(expected, 65535, expected)) << type;
   }

@@ -1,7 +1,6 @@
 #include "common/net/websocket.h"
 
 #include <algorithm>
-#include <concepts>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -16,17 +15,14 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/ssl/context.hpp>
-#include <boost/asio/ssl/host_name_verification.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
-#include <boost/beast/ssl/ssl_stream.hpp>
-#include <boost/beast/websocket/ssl.hpp>
 #include <boost/beast/websocket/stream.hpp>
 #include <fmt/format.h>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
 #include "common/base/try.h"
+#include "common/net/client_transport.h"
 #include "common/net/lookup.h"
 
 namespace pointreel {
@@ -36,8 +32,10 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
 using boost::system::error_code;
-using Plain = websocket::stream<beast::tcp_stream>;
-using Secure = websocket::stream<beast::ssl_stream<beast::tcp_stream>>;
+using Stream = websocket::stream<ClientStream, false>;  // without compression
+using Timer = asio::basic_waitable_timer<std::chrono::steady_clock,
+                                         asio::wait_traits<std::chrono::steady_clock>,
+                                         ClientTransport::Executor>;
 
 /// The time allowed for the closing handshake.
 constexpr std::chrono::milliseconds kCloseTime{500};
@@ -61,15 +59,14 @@ std::string excuse(const std::string& body) {
   return line.empty() ? line : ": " + line;
 }
 
-template <class Stream>
 class Connection : public WebSocket {
  public:
-  Connection(std::string place, const WebSocketOptions& options, asio::ssl::context& tls)
-    requires std::same_as<Stream, Secure>
-      : place_(std::move(place)), options_(options), stream_(context_, tls), closing_(context_) {}
-  Connection(std::string place, const WebSocketOptions& options)
-    requires std::same_as<Stream, Plain>
-      : place_(std::move(place)), options_(options), stream_(context_), closing_(context_) {}
+  /// `tls`: null for a plain connection.
+  Connection(std::string place, const WebSocketOptions& options, asio::ssl::context* tls)
+      : place_(std::move(place)),
+        options_(options),
+        stream_(ClientTransport::make(context_, tls)),
+        timer_(context_) {}
 
   ~Connection() override {
     close();
@@ -77,9 +74,8 @@ class Connection : public WebSocket {
   }
 
   tl::expected<void, ConnectError> open(const Url& url) {
-    const std::stop_callback stopping(options_.stop, [this] {
-      asio::post(context_, [this] { beast::get_lowest_layer(stream_).close(); });
-    });
+    const std::stop_callback stopping(
+        options_.stop, [this] { asio::post(context_, [this] { transport().close(); }); });
     const auto failed = [this](const std::string& what) {
       const bool stopped = options_.stop.stop_requested();
       return tl::unexpected(ConnectError{
@@ -90,24 +86,19 @@ class Connection : public WebSocket {
     const auto found = look_up(url.host, url.port, options_.connect_timeout, options_.stop);
     if (!found) return failed(found.error().message);
 
-    error_code error;
-    auto& tcp = beast::get_lowest_layer(stream_);
-    tcp.expires_at(begun + options_.connect_timeout);
-    tcp.async_connect(*found, [&](error_code e, const auto&) { error = e; });
-    run();
+    const auto deadline = begun + options_.connect_timeout;
+    error_code error = run_until(deadline, [&](const auto& done) {
+      asio::async_connect(transport().socket(), *found,
+                          [done](error_code e, const auto&) { done(e); });
+    });
     if (error) return failed("nothing answers there: " + error.message());
-    set_options(tcp.socket().native_handle());
-    if constexpr (std::same_as<Stream, Secure>) {
-      ::SSL_set_tlsext_host_name(stream_.next_layer().native_handle(), url.host.c_str());
-      stream_.next_layer().set_verify_mode(asio::ssl::verify_peer);
-      stream_.next_layer().set_verify_callback(asio::ssl::host_name_verification(url.host));
-      stream_.next_layer().async_handshake(asio::ssl::stream_base::client,
-                                           [&](error_code e) { error = e; });
-      run();
+    set_options(transport().socket().native_handle());
+    if (url.tls()) {
+      error = run_until(
+          deadline, [&](const auto& done) { transport().handshake(url.host, Completion(done)); });
       if (error) return failed("TLS: " + error.message());
     }
 
-    // tcp's timeout covers the handshake, since the stream's own timeouts begin after it.
     stream_.set_option(websocket::stream_base::decorator([this](websocket::request_type& request) {
       request.set(beast::http::field::user_agent, "pointreel");
       if (!options_.token.empty()) {
@@ -115,8 +106,9 @@ class Connection : public WebSocket {
       }
     }));
     websocket::response_type response;
-    stream_.async_handshake(response, place_, url.target, [&](error_code e) { error = e; });
-    run();
+    error = run_until(deadline, [&](const auto& done) {
+      stream_.async_handshake(response, place_, url.target, done);
+    });
     if (error == websocket::error::upgrade_declined) {
       const auto status = static_cast<int>(response.result_int());
       return tl::unexpected(
@@ -125,9 +117,8 @@ class Connection : public WebSocket {
                        status});
     }
     if (error) return failed(error.message());
-    tcp.expires_never();
     websocket::stream_base::timeout timeout{};
-    // closing_ limits the closing handshake. Beast's own timer would end a read that waits for the
+    // timer_ limits the closing handshake. Beast's own timer would end a read that waits for the
     // handshake with an error that Beast does not expect there. It must be far off, not switched
     // off, or else the timer of the idle time before would go on.
     timeout.handshake_timeout = std::chrono::hours(1);
@@ -211,10 +202,10 @@ class Connection : public WebSocket {
     asio::post(context_, [this] {
       if (ended_ || closed_) return;
       closed_ = true;
-      closing_.expires_after(kCloseTime);
+      timer_.expires_after(kCloseTime);
       // Closing the socket is not enough: it ends what waits for the socket, but the operations of
       // Beast can also wait for each other.
-      closing_.async_wait([this](error_code error) {
+      timer_.async_wait([this](error_code error) {
         if (!error) end(asio::error::operation_aborted);
       });
       stream_.async_close(websocket::close_code::normal,
@@ -228,6 +219,28 @@ class Connection : public WebSocket {
     context_.restart();
     context_.run();
   }
+
+  /// Runs an operation to its end, or closes the socket at the deadline. begin(done) begins the
+  /// operation, and done(error) must be called at its end.
+  template <class Begin>
+  error_code run_until(std::chrono::steady_clock::time_point deadline, const Begin& begin) {
+    bool late = false;
+    error_code result;
+    timer_.expires_at(deadline);
+    timer_.async_wait([&](error_code cancelled) {
+      if (cancelled) return;
+      late = true;
+      transport().close();
+    });
+    begin([&](error_code error) {
+      result = error;
+      timer_.cancel();
+    });
+    run();
+    return late ? beast::error::timeout : result;
+  }
+
+  ClientTransport& transport() { return stream_.next_layer().transport(); }
 
   void set_options(int socket) const {
     const int yes = 1;
@@ -296,7 +309,7 @@ class Connection : public WebSocket {
   void end(error_code error) {
     if (ended_) return;
     ended_ = true;
-    beast::get_lowest_layer(stream_).close();
+    transport().close();
     // Otherwise the stream's own timer would keep the thread running for a while. Posted, so that
     // handlers that are ready run first.
     asio::post(context_, [this] { context_.stop(); });
@@ -340,7 +353,7 @@ class Connection : public WebSocket {
   const WebSocketOptions options_;
   asio::io_context context_{1};
   Stream stream_;
-  asio::steady_timer closing_;
+  Timer timer_;  ///< ends connecting, and later closing
   // Used by the connection's thread alone.
   Bytes incoming_;
   std::optional<asio::dynamic_vector_buffer<std::uint8_t, std::allocator<std::uint8_t>>> buffer_;
@@ -359,15 +372,6 @@ class Connection : public WebSocket {
   std::optional<Error> end_;  ///< why the connection has ended
   std::thread thread_;
 };
-
-/// Opens a connection that was made for the URL.
-template <class Stream>
-tl::expected<std::unique_ptr<WebSocket>, ConnectError> opened(
-    std::unique_ptr<Connection<Stream>> connection, const Url& url) {
-  if (auto open = connection->open(url); !open) return tl::unexpected(std::move(open.error()));
-  connection->start();
-  return connection;
-}
 
 Result<asio::ssl::context> client_context(const WebSocketOptions& options) {
   asio::ssl::context tls(asio::ssl::context::tls_client);
@@ -405,10 +409,16 @@ tl::expected<std::unique_ptr<WebSocket>, ConnectError> WebSocket::connect(
   const Result<Url> url = parse_websocket_url(text);
   if (!url) return tl::unexpected(ConnectError{url.error(), 0});
   const std::string place = url->place();
-  if (!url->tls()) return opened(std::make_unique<Connection<Plain>>(place, options), *url);
-  Result<asio::ssl::context> tls = client_context(options);
-  if (!tls) return tl::unexpected(ConnectError{tls.error(), 0});
-  return opened(std::make_unique<Connection<Secure>>(place, options, *tls), *url);
+  std::optional<asio::ssl::context> tls;
+  if (url->tls()) {
+    Result<asio::ssl::context> made = client_context(options);
+    if (!made) return tl::unexpected(ConnectError{made.error(), 0});
+    tls = std::move(*made);
+  }
+  auto connection = std::make_unique<Connection>(place, options, tls ? &*tls : nullptr);
+  if (auto open = connection->open(*url); !open) return tl::unexpected(std::move(open.error()));
+  connection->start();
+  return connection;
 } catch (const std::exception& error) {
   return tl::unexpected(
       ConnectError{{fmt::format("{}: {}", text, error.what()), ErrorCode::io}, 0});

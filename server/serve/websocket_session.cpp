@@ -252,8 +252,9 @@ Task<void> serve_publisher(std::shared_ptr<PublisherSession> session, LiveCall& 
 }
 
 /// serve_websocket, as a coroutine of this file alone: its frame holds types that are.
-Task<void> serve(std::shared_ptr<Transport> transport, std::string received, LiveCall call,
-                 std::shared_ptr<Wake> wake, Peer peer, Service& service, const Limits& limits) {
+Task<void> serve_session(std::shared_ptr<Transport> transport, std::string received, LiveCall call,
+                         std::shared_ptr<Wake> wake, Peer peer, Service& service,
+                         const Limits& limits) {
   const bool publishes = call.publication != nullptr;
   std::shared_ptr<Session> session;
   std::shared_ptr<PublisherSession> publisher;
@@ -311,8 +312,8 @@ std::function<void()> Wake::function() {
 Task<void> serve_websocket(std::shared_ptr<Transport> transport, std::string received,
                            LiveCall call, std::shared_ptr<Wake> wake, Peer peer, Service& service,
                            const Limits& limits) {
-  return serve(std::move(transport), std::move(received), std::move(call), std::move(wake),
-               std::move(peer), service, limits);
+  return serve_session(std::move(transport), std::move(received), std::move(call), std::move(wake),
+                       std::move(peer), service, limits);
 }
 
 }  // namespace pointreel

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "client/web/wasm/module.h"
+#include "client/web/wasm/numbers.h"
 
 using namespace pointreel;
 
@@ -14,11 +15,6 @@ struct PrClock {
 };
 
 namespace {
-
-Clock::TimePoint time_of(double us) {
-  return Clock::TimePoint(std::chrono::duration_cast<Clock::TimePoint::duration>(
-      std::chrono::duration<double, std::micro>(us)));
-}
 
 double us_of(Clock::TimePoint time) {
   return std::chrono::duration<double, std::micro>(time.time_since_epoch()).count();

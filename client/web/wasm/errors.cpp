@@ -5,8 +5,8 @@
 namespace pointreel {
 namespace {
 
-std::string text;
-PrError code = PR_OK;
+std::string last_text;
+PrError last_code = PR_OK;
 
 static_assert(static_cast<int>(ErrorCode::invalid) + 1 == PR_INVALID &&
               static_cast<int>(ErrorCode::unsupported) + 1 == PR_UNSUPPORTED &&
@@ -19,12 +19,12 @@ static_assert(static_cast<int>(ErrorCode::invalid) + 1 == PR_INVALID &&
 }  // namespace
 
 PrError report(const Error& error) {
-  text = error.message;
-  code = static_cast<PrError>(static_cast<int>(error.code) + 1);
-  return code;
+  last_text = error.message;
+  last_code = static_cast<PrError>(static_cast<int>(error.code) + 1);
+  return last_code;
 }
 
 }  // namespace pointreel
 
-const char* pr_error_text() { return pointreel::text.c_str(); }
-PrError pr_error_code() { return pointreel::code; }
+const char* pr_error_text() { return pointreel::last_text.c_str(); }
+PrError pr_error_code() { return pointreel::last_code; }

@@ -21,6 +21,7 @@
 #include "client/web/wasm/camera.h"
 #include "client/web/wasm/errors.h"
 #include "client/web/wasm/module.h"
+#include "client/web/wasm/numbers.h"
 #include "client/web/wasm/tables.h"
 
 using namespace pointreel;
@@ -50,8 +51,6 @@ template <class Vector>
 void copy(const Vector& from, double* to) {
   for (int i = 0; i < 3; ++i) to[i] = static_cast<double>(from[i]);
 }
-
-double address(const void* of) { return static_cast<double>(reinterpret_cast<std::uintptr_t>(of)); }
 
 /// What is said of the scalar field to show.
 struct Shown {

@@ -10,6 +10,7 @@
 #include "client/source/live_frames.h"
 #include "client/web/wasm/errors.h"
 #include "client/web/wasm/module.h"
+#include "client/web/wasm/numbers.h"
 #include "client/web/wasm/reel.h"
 #include "common/stream/live_sound.h"
 
@@ -25,11 +26,6 @@ struct PrLive {
 
 namespace {
 
-LiveFrames::TimePoint time_of(double us) {
-  return LiveFrames::TimePoint(std::chrono::duration_cast<LiveFrames::TimePoint::duration>(
-      std::chrono::duration<double, std::micro>(us)));
-}
-
 PrReel reel_of_hello(const LiveHello& hello) {
   Manifest manifest;
   static_cast<ReelHead&>(manifest) = hello;
@@ -37,8 +33,6 @@ PrReel reel_of_hello(const LiveHello& hello) {
   manifest.live = LiveManifest{hello.session};
   return reel_of(std::move(manifest));
 }
-
-double address(const void* of) { return static_cast<double>(reinterpret_cast<std::uintptr_t>(of)); }
 
 }  // namespace
 

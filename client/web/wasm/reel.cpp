@@ -11,7 +11,7 @@ using namespace pointreel;
 
 namespace {
 
-std::string text;  // of the last pr_reel_text
+std::string reel_text;  // of the last pr_reel_text
 std::vector<PrRange> ranges;
 PrSegment segment;
 
@@ -75,37 +75,37 @@ const double* pr_reel_times(const PrReel* reel) { return reel->times.data(); }
 
 const char* pr_reel_text(const PrReel* reel, PrText which, std::uint32_t index) {
   const Manifest& manifest = reel->manifest;
-  text.clear();
+  reel_text.clear();
   switch (which) {
     case PR_TEXT_NAME:
-      text = manifest.name;
+      reel_text = manifest.name;
       break;
     case PR_TEXT_CODEC:
-      text = manifest.codec;
+      reel_text = manifest.codec;
       break;
     case PR_TEXT_ENTROPY:
-      text = manifest.entropy;
+      reel_text = manifest.entropy;
       break;
     case PR_TEXT_LAYER:
-      if (index < manifest.layer_names.size()) text = manifest.layer_names[index];
+      if (index < manifest.layer_names.size()) reel_text = manifest.layer_names[index];
       break;
     case PR_TEXT_TABLES_PATH:
-      if (manifest.tables) text = manifest.tables->path;
+      if (manifest.tables) reel_text = manifest.tables->path;
       break;
     case PR_TEXT_TABLES_CHECKSUM:
-      if (manifest.tables) text = hex(manifest.tables->checksum);
+      if (manifest.tables) reel_text = hex(manifest.tables->checksum);
       break;
     case PR_TEXT_SESSION:
-      if (manifest.live) text = hex(manifest.live->session);
+      if (manifest.live) reel_text = hex(manifest.live->session);
       break;
     case PR_TEXT_AUDIO_PATH:
-      if (manifest.audio) text = manifest.audio->path;
+      if (manifest.audio) reel_text = manifest.audio->path;
       break;
     case PR_TEXT_SCALAR:
-      if (index < manifest.scalars.size()) text = manifest.scalars[index].name;
+      if (index < manifest.scalars.size()) reel_text = manifest.scalars[index].name;
       break;
   }
-  return text.c_str();
+  return reel_text.c_str();
 }
 
 const PrScalarRange* pr_reel_scalar(const PrReel* reel, std::uint32_t index) {

@@ -3,11 +3,10 @@
 #include <memory>
 #include <utility>
 
-#include <boost/asio/buffer.hpp>
-#include <boost/asio/compose.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/beast/core/role.hpp>
 
+#include "common/net/stream_operation.h"
 #include "server/serve/transport.h"
 
 // Sources must include asio_types.h before this header, because it configures Asio.
@@ -24,99 +23,20 @@ class TransportStream {
   executor_type get_executor() const { return transport_->executor(); }
   Transport& transport() { return *transport_; }
 
-  template <class Buffers, class Token>
-  auto async_read_some(const Buffers& buffers, Token&& token) {
-    return asio::async_compose<Token, void(error_code, std::size_t)>(
-        Operation<Buffers, true>{transport_, buffers}, token, get_executor());
+  template <class Buffers, class Handler>
+  void async_read_some(const Buffers& buffers, Handler&& handler) {
+    read_some(first_pieces<asio::mutable_buffer>(buffers),
+              Completion(std::forward<Handler>(handler)));
   }
-  template <class Buffers, class Token>
-  auto async_write_some(const Buffers& buffers, Token&& token) {
-    return asio::async_compose<Token, void(error_code, std::size_t)>(
-        Operation<Buffers, false>{transport_, buffers}, token, get_executor());
+  template <class Buffers, class Handler>
+  void async_write_some(const Buffers& buffers, Handler&& handler) {
+    write_some(first_pieces<asio::const_buffer>(buffers),
+               Completion(std::forward<Handler>(handler)));
   }
 
  private:
-  template <class Buffers, bool kReads>
-  struct Operation {
-    std::shared_ptr<Transport> transport;
-    Buffers buffers;
-    enum class At { kBegin, kPlain, kWaiting, kPosted } at = At::kBegin;
-    std::size_t moved = 0;
-
-    template <class Self>
-    void operator()(Self& self, error_code error = {}, std::size_t size = 0) {
-      switch (at) {
-        case At::kBegin:
-          if (!kReads) transport->set_stall_deadline();
-          if (transport->tls() == nullptr) {
-            at = At::kPlain;
-            const Buffers copy = buffers;
-            if constexpr (kReads) {
-              transport->socket().async_read_some(copy, std::move(self));
-            } else {
-              transport->socket().async_write_some(copy, std::move(self));
-            }
-            return;
-          }
-          break;
-        case At::kPlain:
-          return complete(self, error, size);
-        case At::kWaiting:
-          if (error) return complete(self, error, 0);
-          break;
-        case At::kPosted:
-          return complete(self, {}, moved);
-      }
-      encrypted_step(self);
-    }
-
-   private:
-    template <class Self>
-    void complete(Self& self, error_code error, std::size_t size) {
-      if (!kReads) transport->suspend_deadline();
-      self.complete(error, size);
-    }
-
-    template <class Self>
-    void encrypted_step(Self& self) {
-      using Want = TlsSession::Step::Want;
-      // Once the socket is closed, the descriptor that TLS holds may belong to another connection.
-      if (!transport->socket().is_open()) return finish(self, asio::error::operation_aborted);
-      TlsSession::Step step;
-      const auto end = asio::buffer_sequence_end(buffers);
-      for (auto it = asio::buffer_sequence_begin(buffers); it != end; ++it) {
-        if constexpr (kReads) {
-          const asio::mutable_buffer buffer(*it);
-          if (buffer.size() == 0) continue;
-          step = transport->tls()->read({static_cast<char*>(buffer.data()), buffer.size()});
-        } else {
-          const asio::const_buffer buffer(*it);
-          if (buffer.size() == 0) continue;
-          step = transport->tls()->write({static_cast<const char*>(buffer.data()), buffer.size()});
-        }
-        break;
-      }
-      moved = step.bytes;
-      if (step.want == Want::kEnd) return finish(self, asio::error::eof);
-      if (step.want == Want::kNothing) {
-        if (at == At::kWaiting) return complete(self, {}, moved);
-        at = At::kPosted;  // handlers must not be called from within the initiating function
-        asio::post(transport->executor(), std::move(self));
-        return;
-      }
-      at = At::kWaiting;
-      transport->socket().async_wait(
-          step.want == Want::kRead ? Socket::wait_read : Socket::wait_write, std::move(self));
-    }
-
-    template <class Self>
-    void finish(Self& self, error_code error) {
-      if (at == At::kWaiting) return complete(self, error, 0);
-      at = At::kPlain;
-      const Strand strand = transport->executor();  // `transport` moves with `self`
-      asio::post(strand, [self = std::move(self), error]() mutable { self(error, 0); });
-    }
-  };
+  void read_some(const Pieces<asio::mutable_buffer>& into, Completion done);
+  void write_some(const Pieces<asio::const_buffer>& from, Completion done);
 
   std::shared_ptr<Transport> transport_;
 };

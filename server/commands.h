@@ -1,10 +1,12 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
 #include "common/base/print.h"
 #include "common/command_line/command.h"
+#include "server/serve/page.h"
 
 /// The subcommands of pointreel-server. Each is defined in the room that it belongs to.
 namespace pointreel {
@@ -19,8 +21,10 @@ void add_edit_commands(cli::Command app, int& exit_code);     ///< cut and join
 void add_inspect_commands(cli::Command app, int& exit_code);  ///< info, verify and unpack
 void add_upload_command(cli::Command app, int& exit_code);
 void add_publish_command(cli::Command app, int& exit_code);
-/// `command_line`: the arguments of the program, which are read again on SIGHUP.
-void add_serve_command(cli::Command app, int& exit_code, std::vector<std::string> command_line);
+/// `command_line`: the arguments of the program, which are read again on SIGHUP. `page`: the page
+/// that browsers get; its memory must stay valid.
+void add_serve_command(cli::Command app, int& exit_code, std::vector<std::string> command_line,
+                       std::span<const PageFile> page);
 
 /// Prints `pointreel-server: message` to standard error, as one line.
 inline void print_error(const std::string& message) { print_error("pointreel-server", message); }

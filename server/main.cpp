@@ -1,6 +1,7 @@
 #include "common/base/memory.h"
 #include "common/base/standard_output.h"
 #include "common/command_line/command.h"
+#include "server/built_in_page.h"
 #include "server/commands.h"
 
 int main(int argc, char** argv) {
@@ -15,7 +16,7 @@ int main(int argc, char** argv) {
   pointreel::add_edit_commands(app, exit_code);
   pointreel::add_inspect_commands(app, exit_code);
   pointreel::add_upload_command(app, exit_code);
-  pointreel::add_serve_command(app, exit_code, {argv + 1, argv + argc});
+  pointreel::add_serve_command(app, exit_code, {argv + 1, argv + argc}, pointreel::built_in_page());
   pointreel::add_publish_command(app, exit_code);
   const char* footer =
       "Exit codes: 0 success; 1 failure, or the package has faults;\n"

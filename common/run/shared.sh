@@ -11,7 +11,7 @@ say() { printf '\n== Step %d of %d: %s\n' $((++step)) "$steps" "$*"; }
 # Processes that end with the script: what runs beside it, and then the server that it talks to.
 server='' job='' background=()
 
-end() {  # PID: asks the process to end, and kills it if it is still there after five seconds
+end() {  # PID: asks the process, or the group -PID, to end, and kills it after five seconds
   [[ $1 ]] && kill -TERM "$1" 2>/dev/null || return 0
   for _ in {1..50}; do kill -0 "$1" 2>/dev/null || break; sleep 0.1; done
   kill -KILL "$1" 2>/dev/null || true

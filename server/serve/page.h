@@ -18,9 +18,6 @@ struct PageFile {
   std::string_view plain, brotli, gzip;
 };
 
-/// The files that were built into this program; none if it was built without the page.
-std::span<const PageFile> built_in_page();
-
 /// The page that plays reels in a browser, as resources. The page itself, `index.html`, changes
 /// with the program. All other files lie in a folder that is named after their hash, and never
 /// change.

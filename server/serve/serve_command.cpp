@@ -33,6 +33,7 @@ struct ServeArguments {
   HttpServerOptions options;
   std::string listen = to_string(options.listen);
   std::string log = name(options.service.log);
+  std::span<const PageFile> page;
   bool live = false, no_page = false;
   std::filesystem::path record;
   std::vector<std::string> origins, embedders;
@@ -74,7 +75,7 @@ Result<HttpServerOptions> options_of(const ServeArguments& arguments) {
     }
   }
   const std::string frame_ancestors = TRY(parse_frame_ancestors(arguments.embedders));
-  if (!arguments.no_page) options.service.page = Page(built_in_page(), frame_ancestors);
+  if (!arguments.no_page) options.service.page = Page(arguments.page, frame_ancestors);
   options.service.origins = TRY(Origins::parse(arguments.origins));
   // A server that relays others needs no publishers of its own.
   if (arguments.live && arguments.relay_from.empty() && options.service.publish_token.empty() &&
@@ -490,8 +491,10 @@ Result<ServeArguments> Rereading::parse_again(const std::vector<std::string>& co
 
 }  // namespace
 
-void add_serve_command(cli::Command app, int& exit_code, std::vector<std::string> command_line) {
+void add_serve_command(cli::Command app, int& exit_code, std::vector<std::string> command_line,
+                       std::span<const PageFile> page) {
   const auto arguments = std::make_shared<ServeArguments>();
+  arguments->page = page;
   const cli::Command command = define_serve(app, arguments);
   command.callback([arguments, &exit_code, command_line = std::move(command_line)] {
     const auto served = serve(*arguments, command_line);

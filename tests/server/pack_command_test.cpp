@@ -352,7 +352,7 @@ TEST(ServerHelp, breaks_the_lines_of_descriptions_only_where_the_next_word_does_
   add_pack_command(app, code);
   add_inspect_commands(app, code);
   add_publish_command(app, code);
-  add_serve_command(app, code, {});
+  add_serve_command(app, code, {}, {});
   app.add_common_options();
   for (const cli::Command command : app.subcommands()) {
     std::istringstream lines(command.help());

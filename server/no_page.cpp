@@ -1,4 +1,4 @@
-#include "server/serve/page.h"
+#include "server/built_in_page.h"
 
 /// Instead of what embed_page.cmake makes, where the page was not built.
 namespace pointreel {

@@ -1,6 +1,6 @@
 # cmake -D OUTPUT=page_files.cpp -D PAGE=FOLDER -P embed_page.cmake
 # Writes a C++ source that contains index.html and the files of page/ below the folder, with their
-# forms compressed by brotli (.br) and gzip (.gz), as built_in_page() (see page.h).
+# forms compressed by brotli (.br) and gzip (.gz), as built_in_page().
 file(GLOB_RECURSE files RELATIVE ${PAGE}/page ${PAGE}/page/*)
 list(APPEND files ../index.html)
 list(FILTER files EXCLUDE REGEX "\\.(br|gz)$")
@@ -30,7 +30,7 @@ file(WRITE ${OUTPUT} "// Made by embed_page.cmake.
 #include <array>
 #include <cstddef>
 
-#include \"server/serve/page.h\"
+#include \"server/built_in_page.h\"
 
 ${data}
 namespace pointreel {

@@ -5,6 +5,8 @@
 #include <span>
 #include <string>
 
+#include "client/render/milliseconds_since.h"
+
 namespace pointreel {
 namespace {
 
@@ -85,8 +87,7 @@ void SceneInstances::cut(const Scene& scene) {
     any = true;
   }
   if (!any) return;
-  stats_.cut_ms =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  stats_.cut_ms = milliseconds_since(start);
 }
 
 std::size_t SceneInstances::pack(const PlacedFrame& placed, const Part& part,

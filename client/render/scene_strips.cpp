@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "client/render/instances.h"
+#include "client/render/milliseconds_since.h"
 
 namespace pointreel {
 
@@ -40,8 +41,7 @@ void SceneStrips::update(const Scene& scene, const Camera& camera, glm::ivec2 si
     stats.below_pixel += part.cut.below_pixel;
     stats.hidden += part.cut.backs;
   }
-  stats.cut_ms +=
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  stats.cut_ms += milliseconds_since(start);
 }
 
 }  // namespace pointreel

@@ -20,7 +20,7 @@ namespace {
 /// Values are multiples 0 to kMostMultiple of a step. The transform holds no more.
 constexpr std::int32_t kMostMultiple = kMostValue - kLeastValue;
 
-enum Flags : std::uint8_t { kLabels = 1, kUnknown = 2 };
+enum FieldFlags : std::uint8_t { kLabels = 1, kUnknown = 2 };
 
 /// The offset and the step of a field.
 struct ScalarScale {

@@ -15,7 +15,7 @@
 namespace pointreel {
 namespace {
 
-class Page {
+class MetricsText {
  public:
   void begin(std::string_view name, std::string_view type, std::string_view help) {
     fmt::format_to(std::back_inserter(text_), "# HELP {0} {2}\n# TYPE {0} {1}\n", name, type, help);
@@ -44,7 +44,7 @@ double number(const Metrics::Count& count) {
 /// initialised.
 const double kStartTime = static_cast<double>(std::time(nullptr));
 
-void write_process(Page& page) {
+void write_process(MetricsText& page) {
   std::ifstream statm("/proc/self/statm");
   std::uint64_t pages = 0, resident = 0;
   if (statm >> pages >> resident) {
@@ -66,7 +66,7 @@ void write_process(Page& page) {
   page.one("process_start_time_seconds", "gauge", "Unix time of the start in seconds.", kStartTime);
 }
 
-void write_streams(Page& page, const std::vector<StreamStatistics>& streams) {
+void write_streams(MetricsText& page, const std::vector<StreamStatistics>& streams) {
   const auto each = [&](std::string_view name, std::string_view type, std::string_view help,
                         auto value_of) {
     page.begin(name, type, help);
@@ -109,7 +109,7 @@ void write_streams(Page& page, const std::vector<StreamStatistics>& streams) {
 }  // namespace
 
 std::string write_metrics(const Metrics& metrics, const Gauges& gauges) {
-  Page page;
+  MetricsText page;
   page.begin("pointreel_http_responses_total", "counter", "Responses by status.");
   for (std::size_t i = 0; i < metrics.responses.size(); ++i) {
     const double count = number(metrics.responses[i]);

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "client/render/milliseconds_since.h"
 #include "client/render/opengl/instancing/instance_array.h"
 #include "client/render/pick.h"
 #include "client/render/srgb.h"
@@ -15,11 +16,6 @@
 
 namespace pointreel {
 namespace {
-
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-      .count();
-}
 
 /// The same view, in which elements have their normals for colours.
 PictureView with_normals(PictureView view) {

@@ -10,9 +10,9 @@
 namespace pointreel {
 namespace {
 
-constexpr int kParts = 4;    ///< of the instances
-constexpr int kRows = 16;    ///< of the map that are blurred at a time
-constexpr int kBlurred = 3;  ///< texels on each side of one
+constexpr int kParts = 4;      ///< of the instances
+constexpr int kBlurRows = 16;  ///< of the map that are blurred at a time
+constexpr int kBlurred = 3;    ///< texels on each side of one
 constexpr std::array<float, kBlurred + 1> kBlur = {0.2f, 0.18f, 0.14f,
                                                    0.08f};  ///< binomial, nearly
 
@@ -68,8 +68,8 @@ void ShadowMap::draw(std::span<const Instance> instances, const glm::mat4& to_sh
   const auto row_at = [this](int y) {
     return rows_.begin() + static_cast<std::ptrdiff_t>(kRowLength) * (y + kBlurred);
   };
-  for_each(executor, kShadowEdge / kRows, [&](int block) {
-    for (int y = block * kRows; y < (block + 1) * kRows; ++y) {
+  for_each(executor, kShadowEdge / kBlurRows, [&](int block) {
+    for (int y = block * kBlurRows; y < (block + 1) * kBlurRows; ++y) {
       std::array<float, kRowLength + 4 * kBlurred> row;
       for (int x = -kBlurred; x < kShadowEdge + kBlurred; ++x) {
         float z = 0.0f;
@@ -86,8 +86,8 @@ void ShadowMap::draw(std::span<const Instance> instances, const glm::mat4& to_sh
     std::copy_n(row_at(0), kRowLength, row_at(-i));
     std::copy_n(row_at(kShadowEdge - 1), kRowLength, row_at(kShadowEdge - 1 + i));
   }
-  for_each(executor, kShadowEdge / kRows, [&](int block) {
-    for (int y = block * kRows; y < (block + 1) * kRows; ++y)
+  for_each(executor, kShadowEdge / kBlurRows, [&](int block) {
+    for (int y = block * kBlurRows; y < (block + 1) * kBlurRows; ++y)
       blur(&*row_at(y), kRowLength, kRowLength, &moments_[2 * index(0, y)]);
   });
 }

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "client/render/hole_rules.h"
+#include "client/render/milliseconds_since.h"
 #include "client/render/pick.h"
 #include "client/render/software/effects.h"
 #include "client/render/software/raster.h"
@@ -27,11 +28,6 @@ namespace {
 constexpr float kNoWeight = 1e-6f;
 
 constexpr int kMostPixels = 16384;  ///< width and height of a picture
-
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-      .count();
-}
 
 /// Returns the milliseconds since its last call, or since it was made.
 class Laps {

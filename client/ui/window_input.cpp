@@ -127,6 +127,8 @@ WindowInput::~WindowInput() {
 bool WindowInput::press(std::string_view key) {
   input_.any = true;
   const auto action = action_of(key);
+  // What the next key means must not depend on whether it comes in the same round.
+  if (action == Action::toggle_fly) flying_ = !flying_;
   if (action) input_.actions.push_back(*action);
   return action.has_value();
 }

@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kBlockRows = 512;
 /// What is read from a disk at a time stays in the second.
 constexpr std::size_t kBlockBytes = std::size_t{256} << 10;
-/// Rows whose middle is the origin.
+/// About as many measured rows have the origin in their middle.
 constexpr std::size_t kOriginRows = 1024;
 /// Points whose middle is further from zero than so many times the middle half of them is long.
 constexpr double kFarSpreads = 4.0;
@@ -97,27 +97,38 @@ void RecordCollector::add(const std::uint8_t* base, std::size_t first, std::size
 }
 
 void RecordCollector::choose_origin(const std::uint8_t* base, std::size_t first, std::size_t rows) {
-  rows = std::min(rows, kOriginRows);
-  std::vector<double> values(rows), finite;
+  std::array<std::vector<double>, 3> measured;  // by axis
+  for (std::size_t at = 0; at < rows && measured[0].size() < kOriginRows; at += kBlockRows) {
+    const std::size_t n = std::min(kBlockRows, rows - at);
+    std::array<Block, 3> columns;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      load_column(layout_.position[axis], layout_.swapped, base, first + at, n,
+                  columns[axis].data());
+    for (std::size_t i = 0; i < n; ++i) {
+      const glm::dvec3 world =
+          layout_.scale * glm::dvec3(columns[0][i], columns[1][i], columns[2][i]) + layout_.offset;
+      // Scanners write 0 0 0 where they met nothing.
+      if (world == glm::dvec3(0.0) || !std::isfinite(world.x + world.y + world.z)) continue;
+      for (int axis = 0; axis < 3; ++axis)
+        measured[static_cast<std::size_t>(axis)].push_back(world[axis]);
+    }
+  }
+  if (measured[0].empty()) return;  // the next rows may have some
   glm::dvec3 middle(0.0);
   double reach = 0.0, spread = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
-    load_column(layout_.position[static_cast<std::size_t>(axis)], layout_.swapped, base, first,
-                rows, values.data());
-    finite.clear();
-    for (const double value : values) {
-      const double world = layout_.scale[axis] * value + layout_.offset[axis];
-      if (std::isfinite(world)) finite.push_back(world);
-    }
-    if (finite.empty()) return;  // the next block may have some
-    std::sort(finite.begin(), finite.end());
-    middle[axis] = finite[finite.size() / 2];
+    std::vector<double>& values = measured[static_cast<std::size_t>(axis)];
+    std::sort(values.begin(), values.end());
+    middle[axis] = values[values.size() / 2];
     reach = std::max(reach, std::abs(middle[axis]));
-    spread = std::max(spread, finite[finite.size() * 3 / 4] - finite[finite.size() / 4]);
+    spread = std::max(spread, values[values.size() * 3 / 4] - values[values.size() / 4]);
   }
-  // Points around zero need no other origin. Quartiles, because some may be strays.
-  if (reach > kFarSpreads * spread) cloud_.origin = glm::floor(middle);
   has_origin_ = true;
+  // Points around zero need no other origin. Quartiles, because some may be strays.
+  if (reach <= kFarSpreads * spread) return;
+  cloud_.origin = glm::floor(middle);
+  for (glm::vec3& position : cloud_.positions)  // none of which was measured
+    position = glm::vec3(glm::dvec3(position) - cloud_.origin);
 }
 
 void RecordCollector::add_positions(const std::uint8_t* base, std::size_t first, std::size_t rows) {

@@ -135,8 +135,8 @@ bool are_in_range(const PlyColumn& column, std::size_t rows) {
   return in_range;
 }
 
-/// The whole coordinates below the middle of the points, if these lie far from zero but for a few:
-/// such as those at zero that were not measured, which must not cost the others their precision.
+/// The whole coordinates below the middle of the points that were measured, if these lie far from
+/// zero: those at zero, which were not, must not cost them their precision.
 glm::dvec3 far_middle(std::span<const glm::dvec3> positions) {
   constexpr std::size_t kSamples = 1024;
   constexpr double kFarSpreads = 100.0;
@@ -146,7 +146,9 @@ glm::dvec3 far_middle(std::span<const glm::dvec3> positions) {
     std::vector<double> finite;
     const std::size_t count = std::min(kSamples, positions.size());
     for (std::size_t i = 0; i < count; ++i) {
-      const double value = positions[spread_index(i, count, positions.size())][axis];
+      const glm::dvec3& position = positions[spread_index(i, count, positions.size())];
+      if (position == glm::dvec3(0.0)) continue;
+      const double value = position[axis];
       if (std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()))
         finite.push_back(value);
     }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -45,6 +46,23 @@ std::vector<std::string> guess(const std::vector<std::string>& texts, bool pts =
 std::string error_of(const std::string& text) {
   const Result<PointCloud> cloud = read(text);
   return cloud ? "it was read" : cloud.error().message;
+}
+
+TEST(TextPoints, points_at_zero_cost_the_others_no_digits_however_many_they_are) {
+  for (const int zeros : {0, 100, 1500, 2990}) {  // first, as scans of the sky have them
+    std::string text;
+    for (int i = 0; i < 3000; ++i)
+      text +=
+          i < zeros ? "0 0 0\n" : fmt::format("{:.3f} 5423456.789 123.456\n", 512345.678 + i % 30);
+    const Result<PointCloud> cloud = read(text);
+    ASSERT_TRUE(cloud) << cloud.error().message;
+    ASSERT_EQ(cloud->size(), 3000u);
+    EXPECT_NEAR(cloud->world(2999).x, 512345.678 + 2999 % 30, 1e-4) << zeros;
+    EXPECT_NEAR(cloud->world(2999).y, 5423456.789, 1e-4) << zeros;
+    if (zeros > 0) {
+      EXPECT_EQ(cloud->world(0), glm::dvec3(0.0)) << zeros;
+    }
+  }
 }
 
 TEST(TextPoints, numbers_may_be_separated_by_commas_semicolons_and_blanks) {

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -581,6 +582,18 @@ TEST(Ply, subtracts_a_far_origin_in_double) {
   EXPECT_EQ(cloud.origin, glm::dvec3(4500000.125, -1000000.0625, 812.5));
   EXPECT_NEAR(cloud.world(1).x, 4500001.0001, 1e-7);
   EXPECT_NEAR(cloud.world(1).z, 812.5001, 1e-7);
+}
+
+TEST(Ply, points_at_zero_cost_the_others_no_digits_however_many_they_are) {
+  std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 300\nproperty double x\nproperty double y\n"
+      "property double z\nend_header\n";
+  for (int i = 0; i < 300; ++i)
+    text += i % 3 < 2 ? "0 0 0\n" : fmt::format("{} 5423456.789 123.456\n", 512345.678 + i);
+  const PointCloud cloud = read(text);
+  ASSERT_EQ(cloud.size(), 300u);
+  EXPECT_NEAR(cloud.world(299).x, 512345.678 + 299, 1e-4);
+  EXPECT_NEAR(cloud.world(299).y, 5423456.789, 1e-4);
 }
 
 TEST(Ply, keeps_all_digits_of_ascii_whatever_the_type) {

@@ -168,7 +168,14 @@ Result<PointCloud> read_las(const ByteSource& source, ReadNotes& notes) {
   if (format.time) notes.unread.push_back("GPS time");
   if (format.waveform) notes.unread.push_back("waveform");
   if (header.table.size > format.size) notes.unread.push_back("extra bytes");
-  return read_records(source, header.table, layout, notes);
+  PointCloud cloud = TRY(read_records(source, header.table, layout, notes));
+  // Some point formats have room for colours, whether any were measured or not.
+  const auto is_black = [](const glm::u16vec3& color) { return color == glm::u16vec3(0); };
+  if (std::ranges::all_of(cloud.colors, is_black)) {
+    if (!cloud.colors.empty()) notes.unread.push_back("colours (0 at all points)");
+    cloud.colors.clear();
+  }
+  return cloud;
 }
 
 }  // namespace pointreel

@@ -19,6 +19,8 @@ namespace {
 struct Vertex {
   glm::dvec3 position{0.0};
   glm::vec3 color{0.0f};
+  float last = 0.0f;  ///< of seven numbers
+  bool has_last = false;
 };
 
 class ObjReader {
@@ -56,11 +58,14 @@ class ObjReader {
     if (count < 3) return fail(concat("a vertex has ", count, " numbers, but needs 3"));
     Vertex vertex;
     vertex.position = {numbers[0], numbers[1], numbers[2]};
-    // The fourth of 4 or 7 is a weight.
-    const std::size_t color = count == 7 ? 4 : 3;
     colors_ &= count >= 6;
-    if (count >= 6)
-      vertex.color = glm::vec3(numbers[color], numbers[color + 1], numbers[color + 2]);
+    if (count >= 6) vertex.color = glm::vec3(numbers[3], numbers[4], numbers[5]);
+    if (count == 7) {
+      vertex.last = static_cast<float>(numbers[6]);
+      vertex.has_last = true;
+      has_weights_ &= numbers[3] == 1.0;
+      has_alpha_ &= numbers[6] == 1.0;
+    }
     vertices_.push_back(vertex);
     return {};
   }
@@ -109,6 +114,10 @@ class ObjReader {
                                       bad_faces_ == 1 ? " such face is" : " such faces are",
                                       " skipped, all vertices are read"));
     }
+    if (has_weights_ && !has_alpha_) {
+      for (Vertex& vertex : vertices_)
+        if (vertex.has_last) vertex.color = {vertex.color.y, vertex.color.z, vertex.last};
+    }
     RecordLayout layout;
     for (std::size_t i = 0; i < 3; ++i) {
       layout.position[i] = {offsetof(Vertex, position) + i * sizeof(double), sizeof(Vertex),
@@ -137,6 +146,8 @@ class ObjReader {
   std::vector<glm::vec3> normals_;
   std::vector<glm::vec3> sums_;  ///< of the normals of each vertex, as far as faces have any
   bool colors_ = true;           ///< all vertices have one
+  /// Of seven numbers, the fourth may be a weight, which is 1, or the last an opacity.
+  bool has_weights_ = true, has_alpha_ = true;
   std::size_t bad_faces_ = 0;
   std::string first_bad_face_;
 };

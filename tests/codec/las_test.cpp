@@ -143,6 +143,14 @@ TEST(Las, colors_that_were_stored_as_bytes_are_taken_as_bytes) {
   EXPECT_EQ(cloud->colors[1], glm::u16vec3(0, 127 * 257, 0));
 }
 
+TEST(Las, colors_that_are_all_zero_were_not_measured) {
+  std::vector<std::string> unread;
+  const Result<PointCloud> cloud = read(las(2, 2, 0, 0), &unread);
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_FALSE(cloud->has_colors());
+  EXPECT_THAT(unread, testing::Contains("colours (0 at all points)"));
+}
+
 TEST(Las, a_point_at_zero_does_not_cost_the_others_their_precision) {
   Bytes bytes = las(2, 0, 0, 0, 100);
   for (std::size_t axis = 0; axis < 3; ++axis) set(bytes, 227 + 4 * axis, std::int32_t{-500000250});

@@ -58,6 +58,14 @@ TEST(Obj, a_weight_is_not_a_color_and_colors_count_if_all_have_one) {
   EXPECT_FALSE(read("v 1 2 3 1 0 0\nv 1 2 3\n")->has_colors());
 }
 
+TEST(Obj, the_last_of_seven_numbers_is_an_opacity_unless_the_fourth_is_a_weight) {
+  const auto colors = [](const std::string& text) { return read(text).value().colors; };
+  const glm::u16vec3 red(65535, 0, 0), green(0, 65535, 0), blue(0, 0, 65535);
+  EXPECT_THAT(colors("v 0 0 0 1 0 0 1\nv 1 0 0 0 1 0 1\n"), ElementsAre(red, green));
+  EXPECT_THAT(colors("v 0 0 0 1 0 0 1\nv 1 0 0 1 0 1 0\n"), ElementsAre(blue, green));
+  EXPECT_THAT(colors("v 0 0 0 1 0 0 1\nv 1 0 0 1 0 0 1\n"), ElementsAre(red, red));
+}
+
 TEST(Obj, errors_say_in_which_line) {
   EXPECT_THAT(error_of("v 1 2\n"), HasSubstr("line 1: a vertex has 2 numbers"));
   EXPECT_THAT(error_of("\nv 1 x 3\n"), HasSubstr("line 2: 'x'"));

@@ -208,20 +208,28 @@ std::optional<std::uint64_t> CloudSequence::captured_us() const {
 }
 
 void CloudSequence::find_times() {
+  const auto show_evenly = [this](const std::string& why) {
+    warnings.push_back(why + ": the frames are shown evenly (--fps says how many a second)");
+  };
+  if (frames.size() < 2 || !std::ranges::all_of(frames, [](const CloudFrame& frame) {
+        return frame.time_us.has_value();
+      }))
+    return;
   std::vector<std::uint64_t> times;
+  const std::uint64_t begin = *frames.front().time_us;
   for (const CloudFrame& frame : frames) {
-    if (!frame.time_us || *frame.time_us < frames.front().time_us) return;
-    times.push_back(*frame.time_us - *frames.front().time_us);
-    if (times.size() > 1 && times.back() < times[times.size() - 2]) return;
-    // A clock that jumped, or garbage.
-    if (times.back() > kLongest) return;
+    const std::uint64_t time = *frame.time_us;
+    if (time < begin + (times.empty() ? 0 : times.back()))
+      return show_evenly(frame.name() + ": its time is before that of the frame before");
+    if (time - begin > kLongest)
+      return show_evenly(frame.name() + ": its time is more than 31 days after the first");
+    times.push_back(time - begin);
   }
-  if (times.size() < 2) return;
   std::vector<std::uint64_t> spacings;
   for (std::size_t i = 1; i < times.size(); ++i) spacings.push_back(times[i] - times[i - 1]);
   const auto middle = spacings.begin() + std::ssize(spacings) / 2;
   std::nth_element(spacings.begin(), middle, spacings.end());
-  if (*middle == 0) return;
+  if (*middle == 0) return show_evenly("most frames have the time of the frame before");
   times_us = std::move(times);
   fps = 1e6 / static_cast<double>(*middle);
 }

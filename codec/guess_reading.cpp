@@ -102,7 +102,7 @@ class ReadingGuess {
       ReadNotes notes;
       const Reading reading{sequence_.reading.columns, 0.0};
       const auto cloud = read_points(ByteSource(ByteView(*sample)), format_, {}, reading, notes);
-      if (!cloud || cloud->empty()) continue;
+      if (!cloud || cloud->colors.empty()) continue;
       if (notes.full_color == 0.0) return;
       if (notes.full_color > full) {
         full = notes.full_color;

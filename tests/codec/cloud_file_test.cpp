@@ -169,6 +169,26 @@ TEST_F(CloudFile, missing_numbers_of_frames_are_named_and_their_time_can_be_kept
   EXPECT_THAT(list_cloud_frames({folder_.path()})->warnings, testing::IsEmpty());
 }
 
+TEST_F(CloudFile, times_that_are_not_believed_are_named) {
+  const auto warnings = [](const std::vector<std::uint64_t>& times) {
+    CloudSequence sequence;
+    for (const std::uint64_t time : times) {
+      CloudFrame& frame = sequence.frames.emplace_back();
+      frame.file = fmt::format("{}.bin", sequence.frames.size());
+      frame.time_us = time;
+    }
+    sequence.find_times();
+    EXPECT_EQ(sequence.times_us.empty(), !sequence.warnings.empty());
+    return sequence.warnings;
+  };
+  EXPECT_THAT(warnings({5, 6, 8}), testing::IsEmpty());
+  EXPECT_THAT(warnings({5, 8, 6}), ElementsAre(StartsWith("3.bin: its time is before that of")));
+  EXPECT_THAT(warnings({5, 4}), ElementsAre(StartsWith("2.bin: its time is before that of")));
+  EXPECT_THAT(warnings({0, 1'700'000'000'000'000, 1'700'000'000'100'000}),
+              ElementsAre(StartsWith("2.bin: its time is more than 31 days after the first")));
+  EXPECT_THAT(warnings({5, 5, 5}), ElementsAre(StartsWith("most frames have the time of")));
+}
+
 TEST_F(CloudFile, errors_begin_with_the_path_and_take_one_line) {
   const fs::path missing = folder_ / "missing.ply";
   const auto expect_error = [](const fs::path& path, const std::string& part) {

@@ -74,6 +74,15 @@ TEST_F(GuessReading, colors_beyond_the_range_are_a_warning) {
               ElementsAre(HasSubstr("colours up to 200, which are cut off at 1")));
 }
 
+TEST_F(GuessReading, colors_of_another_range_than_the_others_are_a_warning) {
+  folder_.write("1.ply", ply("float", 200));
+  folder_.write("2.ply", ply("float", 0.5));
+  const CloudSequence sequence = list();
+  EXPECT_EQ(sequence.reading.full_color, 255.0);
+  EXPECT_THAT(read_cloud_frame(sequence.frames[1])->warnings,
+              ElementsAre(HasSubstr("from 0 to 1, which are all but black, because 255")));
+}
+
 TEST_F(GuessReading, colors_whose_type_tells_their_range_are_not_guessed) {
   folder_.write("1.ply", ply("uchar", 1));
   folder_.write("2.ply", ply("uchar", 255));

@@ -1,4 +1,4 @@
-# cmake -D OUTPUT=page_files.cpp -D PAGE=FOLDER -P embed_page.cmake
+# cmake -D OUTPUT=built_in_page.cpp -D PAGE=FOLDER -P embed_page.cmake
 # Writes a C++ source that contains index.html and the files of page/ below the folder, with their
 # forms compressed by brotli (.br) and gzip (.gz), as built_in_page().
 file(GLOB_RECURSE files RELATIVE ${PAGE}/page ${PAGE}/page/*)

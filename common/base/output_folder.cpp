@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 #include <stdio.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
+#include "common/base/lock_folder.h"
 #include "common/base/try.h"
 
 namespace pointreel {
@@ -82,27 +82,6 @@ Result<std::vector<fs::path>> make_parents(const fs::path& path) {
                                            error.message()));
   }
   return made;
-}
-
-/// Takes the lock of a folder, for as long as the descriptor is open. -1, and errno says why, if
-/// another program has it (EWOULDBLOCK), if the folder has gone (ENOENT) or another has come in its
-/// place meanwhile (ESTALE), or on file systems without locks.
-int lock_folder(const fs::path& folder, int wait) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-  if (descriptor < 0) return -1;
-  struct stat locked{}, present{};
-  int why = 0;
-  if (::flock(descriptor, LOCK_EX | wait) != 0 || ::fstat(descriptor, &locked) != 0 ||
-      ::lstat(folder.c_str(), &present) != 0) {
-    why = errno;
-  } else if (locked.st_ino == present.st_ino && locked.st_dev == present.st_dev) {
-    return descriptor;
-  } else {
-    why = ESTALE;
-  }
-  ::close(descriptor);
-  errno = why;
-  return -1;
 }
 
 /// Removes a folder of files. Folders in it, which no program of ours makes, stay, and so it does.

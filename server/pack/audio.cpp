@@ -12,11 +12,13 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include "common/audio/opus_reader.h"
 #include "common/audio/sound_file.h"
 #include "common/base/ffmpeg.h"
+#include "common/base/lock_folder.h"
 #include "common/base/open_file.h"
 #include "common/base/output_folder.h"
 #include "common/base/try.h"
@@ -44,8 +46,8 @@ std::vector<std::string> arguments(const fs::path& source, std::uint64_t duratio
 class Descriptor {
  public:
   explicit Descriptor(int file) : file_(file) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  Descriptor(Descriptor&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+  Descriptor& operator=(Descriptor&&) = delete;
   ~Descriptor() { close(); }
   int get() const { return file_; }
   void close() {
@@ -95,6 +97,45 @@ Result<Encoded> encode(const fs::path& source, std::uint64_t duration_us,
   return Encoded{std::move(bytes), std::move(said)};
 }
 
+struct EncodedSound {
+  AudioFile file;
+  Bytes bytes;
+};
+
+Result<EncodedSound> encode_sound(const fs::path& source, std::uint64_t duration_us,
+                                  const std::stop_token& stop, const OnWarning& warn) {
+  TRY(check_audio_source(source));
+  const SoundEnd end = TRY(at_place(source.string(), find_sound_end(source, duration_us)));
+  auto encoded = encode(source, duration_us, stop);
+  if (!encoded && encoded.error().code == ErrorCode::cancelled)
+    return tl::unexpected(encoded.error());
+  auto [bytes, said] = TRY(at_place(source.string(), std::move(encoded)));
+  AudioFile file;
+  file.samples = TRY(at_place(source.string(), OpusReader::open(bytes))).samples();
+  TRY(at_place(source.string(),
+               end.check(file.samples * 1'000'000 / kAudioRate, duration_us, said)));
+  if (!said.empty() && warn) warn(fmt::format("{}: {}", source.string(), said));
+  file.bytes = bytes.size();
+  file.checksum = checksum_of(bytes);
+  file.path = fmt::format("audio.{:08x}.opus", file.checksum >> 32);
+  return EncodedSound{std::move(file), std::move(bytes)};
+}
+
+/// Locks a package against programs that replace it, if it still has this manifest.
+Result<Descriptor> lock_package(const fs::path& package, const Manifest& manifest) {
+  std::error_code error;
+  Descriptor lock(lock_folder(fs::canonical(package, error), LOCK_NB));
+  if (lock.get() < 0 && errno == EWOULDBLOCK)
+    return fail(ErrorCode::io,
+                package.string() + ": another program is writing to it; try again later");
+  // Without a lock, on a file system that has none, this is what can be done.
+  if (write_manifest(TRY(read_manifest(package))) != write_manifest(manifest))
+    return fail(ErrorCode::io, package.string() +
+                                   ": another program has changed it meanwhile; its sound stays "
+                                   "as it is now");
+  return lock;
+}
+
 }  // namespace
 
 Result<void> check_audio_source(const fs::path& source) {
@@ -108,37 +149,31 @@ Result<void> check_audio_source(const fs::path& source) {
 Result<AudioFile> write_audio(const fs::path& source, const fs::path& folder,
                               std::uint64_t duration_us, const std::stop_token& stop,
                               const OnWarning& warn) {
-  TRY(check_audio_source(source));
-  const SoundEnd end = TRY(at_place(source.string(), find_sound_end(source, duration_us)));
-  const auto encoded = encode(source, duration_us, stop);
-  if (!encoded && encoded.error().code == ErrorCode::cancelled)
-    return tl::unexpected(encoded.error());
-  const auto [bytes, said] = TRY(at_place(source.string(), encoded));
-  AudioFile audio;
-  audio.samples = TRY(at_place(source.string(), OpusReader::open(bytes))).samples();
-  TRY(at_place(source.string(),
-               end.check(audio.samples * 1'000'000 / kAudioRate, duration_us, said)));
-  if (!said.empty() && warn) warn(fmt::format("{}: {}", source.string(), said));
-  audio.bytes = bytes.size();
-  audio.checksum = checksum_of(bytes);
-  audio.path = fmt::format("audio.{:08x}.opus", audio.checksum >> 32);
-  TRY(replace_file(folder / audio.path, bytes));
-  return audio;
+  const EncodedSound sound = TRY(encode_sound(source, duration_us, stop, warn));
+  TRY(replace_file(folder / sound.file.path, sound.bytes));
+  return sound.file;
 }
 
 Result<std::optional<AudioFile>> replace_audio(const fs::path& package,
                                                const std::optional<fs::path>& source,
                                                const std::stop_token& stop, const OnWarning& warn) {
-  Manifest manifest = TRY(read_manifest(package));
-  if (manifest.live)
+  const Manifest old = TRY(read_manifest(package));
+  if (old.live)
     return fail(ErrorCode::argument,
                 package.string() + ": is a recording that has not ended; wait for its end");
-  const std::optional<AudioFile> before = manifest.audio;
+  Manifest manifest = old;
   manifest.audio.reset();
-  if (source) manifest.audio = TRY(write_audio(*source, package, manifest.duration_us, stop, warn));
+  EncodedSound sound;
+  if (source) {
+    sound = TRY(encode_sound(*source, manifest.duration_us, stop, warn));
+    manifest.audio = sound.file;
+  }
   const std::string text = write_manifest(manifest);
   TRY(at_place("the package would not be valid", parse_manifest(text)));
+  const Descriptor lock = TRY(lock_package(package, old));
+  if (source) TRY(replace_file(package / sound.file.path, sound.bytes));
   std::error_code error;
+  const std::optional<AudioFile>& before = old.audio;
   if (const auto replaced = replace_file(package / kManifestName, text); !replaced) {
     if (manifest.audio && (!before || before->path != manifest.audio->path))
       fs::remove(package / manifest.audio->path, error);

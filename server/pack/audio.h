@@ -33,8 +33,9 @@ Result<AudioFile> write_audio(const std::filesystem::path& source,
                               const std::stop_token& stop = {}, const OnWarning& warn = {});
 
 /// Gives a package sound, in place of the sound that it has, or takes it away if there is no
-/// source. The package is valid at any moment. Errors as above, those of read_manifest, and
-/// `argument` for a recording that has not ended.
+/// source. The package is valid at any moment. Errors as above, those of read_manifest, `argument`
+/// for a recording that has not ended, and `io` if another program changes or replaces the package
+/// meanwhile.
 Result<std::optional<AudioFile>> replace_audio(const std::filesystem::path& package,
                                                const std::optional<std::filesystem::path>& source,
                                                const std::stop_token& stop = {},

@@ -3,17 +3,23 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "common/audio/opus_reader.h"
 #include "common/base/ffmpeg.h"
+#include "common/base/lock_folder.h"
 #include "common/stream/manifest.h"
 #include "server/pack/audio.h"
 #include "server/pack/inspect.h"
@@ -32,6 +38,24 @@ double tone(std::uint32_t n, double rate) {
   return 0.5 * std::sin(2.0 * std::numbers::pi * 440.0 * n / rate);
 }
 
+/// Runs ffmpeg, and returns the file that it writes.
+fs::path converted(const fs::path& from, const std::string& name) {
+  const fs::path to = from.parent_path() / name;
+  const std::string command = "ffmpeg -v quiet -y -i '" + from.string() + "' '" + to.string() + "'";
+  EXPECT_EQ(std::system(command.c_str()), 0) << command;
+  return to;
+}
+
+/// Five seconds of sound that ffmpeg finds something wrong with, though all of it is there.
+fs::path damaged_flac(const fs::path& sound) {
+  write_wav(sound, 44'100, 5 * 44'100, [](std::uint32_t n) { return tone(n, 44'100.0); });
+  const fs::path file = converted(sound, "damaged.flac");
+  std::string bytes = read_text(file);
+  for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 500; ++i) bytes[i] = 'x';
+  write_file(file, bytes);
+  return file;
+}
+
 /// Inputs of 5 frames, which take 0.2 s, and a second of a tone.
 class AudioPackage : public testing::Test {
  protected:
@@ -48,6 +72,20 @@ class AudioPackage : public testing::Test {
     return pack(options);
   }
   void pack_silent() const { ASSERT_TRUE(pack(pack_options(folder() / "in", reel()))); }
+  /// Gives a reel of five seconds sound. Between encoding it and changing the reel, something else
+  /// happens: ffmpeg's warning is the occasion.
+  Result<std::optional<AudioFile>> replace_audio_while(const std::function<void()>& happens) const {
+    PackOptions options = pack_options(folder() / "in", reel());
+    options.fps = 1.0;
+    EXPECT_TRUE(pack(options));
+    bool happened = false;
+    auto result = replace_audio(reel(), damaged_flac(sound()), {}, [&](const std::string&) {
+      happens();
+      happened = true;
+    });
+    EXPECT_TRUE(happened);
+    return result;
+  }
 
   fs::path folder() const { return folder_.path(); }
   fs::path reel() const { return folder() / "reel"; }
@@ -122,6 +160,40 @@ TEST_F(AudioPackage, gets_replaces_and_loses_sound_without_being_packed_again) {
   EXPECT_EQ(contents(reel()), before);
 }
 
+TEST_F(AudioPackage, is_left_alone_if_it_was_replaced_while_its_sound_was_encoded) {
+  std::map<std::string, std::string> replacement;
+  const auto late = replace_audio_while([&] {
+    ASSERT_TRUE(pack_with(sound()));
+    replacement = contents(reel());
+  });
+  ASSERT_FALSE(late);
+  EXPECT_THAT(late.error().message,
+              StartsWith(reel().string() + ": another program has changed it meanwhile"));
+  EXPECT_EQ(contents(reel()), replacement);
+}
+
+TEST_F(AudioPackage, keeps_the_sound_that_came_first_of_two_at_once) {
+  std::map<std::string, std::string> first;
+  EXPECT_FALSE(replace_audio_while([&] {
+    write_wav(sound(), 48'000, 5 * 48'000, [](std::uint32_t) { return 0.0; });
+    ASSERT_TRUE(replace_audio(reel(), sound()));
+    first = contents(reel());
+  }));
+  EXPECT_EQ(contents(reel()), first);
+}
+
+TEST_F(AudioPackage, gets_no_sound_while_another_program_holds_its_lock) {
+  pack_silent();
+  const int lock = lock_folder(reel(), LOCK_NB);
+  ASSERT_GE(lock, 0);
+  const auto refused = replace_audio(reel(), sound());
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("another program is writing to it"));
+  ::close(lock);
+  fs::create_symlink(reel(), folder() / "link");
+  EXPECT_TRUE(replace_audio(folder() / "link", sound()));
+}
+
 TEST_F(AudioPackage, stays_as_it_is_if_the_source_has_no_sound) {
   pack_silent();
   const auto before = contents(reel());
@@ -134,14 +206,6 @@ TEST_F(AudioPackage, stays_as_it_is_if_the_source_has_no_sound) {
   EXPECT_EQ(contents(reel()), before);
   EXPECT_FALSE(pack_with(folder() / "none.wav"));
   EXPECT_EQ(contents(reel()), before);
-}
-
-/// Runs ffmpeg, and returns the file that it writes.
-fs::path converted(const fs::path& from, const std::string& name) {
-  const fs::path to = from.parent_path() / name;
-  const std::string command = "ffmpeg -v quiet -y -i '" + from.string() + "' '" + to.string() + "'";
-  EXPECT_EQ(std::system(command.c_str()), 0) << command;
-  return to;
 }
 
 constexpr std::uint64_t kTenSeconds = 10'000'000;
@@ -176,11 +240,7 @@ TEST_F(AudioPackage, gets_no_sound_that_is_damaged_so_that_it_becomes_shorter) {
 }
 
 TEST_F(AudioPackage, says_what_ffmpeg_found_wrong_where_all_the_sound_is_there) {
-  write_wav(sound(), 44'100, 5 * 44'100, [](std::uint32_t n) { return tone(n, 44'100.0); });
-  const fs::path file = converted(sound(), "damaged.flac");
-  std::string bytes = read_text(file);
-  for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 500; ++i) bytes[i] = 'x';
-  write_file(file, bytes);
+  const fs::path file = damaged_flac(sound());
   std::vector<std::string> warnings;
   const auto made = write_audio(file, folder(), kTenSeconds, {},
                                 [&](const std::string& line) { warnings.push_back(line); });

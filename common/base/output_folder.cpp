@@ -160,7 +160,11 @@ Result<void> OutputFolder::publish() {
     // This replaces nothing but an empty folder, even if someone has put something there meanwhile.
     std::error_code error;
     fs::rename(temporary_, final_, error);
-    if (error) return fail(ErrorCode::io, fmt::format("{}: {}", final_.string(), error.message()));
+    if (error)
+      return fail(ErrorCode::io, fmt::format("{}: {}", final_.string(),
+                                             error == std::errc::directory_not_empty
+                                                 ? "another program has written it meanwhile"
+                                                 : error.message()));
     temporary_.clear();
   }
   parents_.clear();

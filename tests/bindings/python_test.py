@@ -447,6 +447,29 @@ class Threads(unittest.TestCase):
         thread.join()
         self.assertGreater(during, 3)
 
+    def test_daemon_threads_inside_the_module_let_python_end(self):
+        for inside in ("next(pointreel.live('ws://127.0.0.1:9/live/nobody'))",
+                       "pointreel.decode(data)",
+                       "pointreel.encode(positions)"):
+            program = f"""
+import threading
+import numpy as np
+import pointreel
+positions = np.random.default_rng(1).random((20000, 3))
+data = pointreel.encode(positions)
+inside = threading.Event()
+def work():
+    while True:
+        inside.set()
+        {inside}
+threading.Thread(target=work, daemon=True).start()
+inside.wait()
+threading.Event().wait(0.1)
+"""
+            ended = subprocess.run([sys.executable, "-c", program], stderr=subprocess.PIPE,
+                                   text=True)
+            self.assertEqual((ended.returncode, ended.stderr), (0, ""), inside)
+
 
 class Types(unittest.TestCase):
     def test_everything_public_is_explained(self):

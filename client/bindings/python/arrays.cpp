@@ -76,7 +76,7 @@ py::object colors8_of(const PyFrame& frame) {
   py::array_t<std::uint8_t> array({static_cast<py::ssize_t>(colors.size()), py::ssize_t{3}});
   {
     std::uint8_t* to = array.mutable_data();
-    const py::gil_scoped_release release;
+    const ReleasedGil released;
     for (const glm::u16vec3& color : colors)
       for (int axis = 0; axis < 3; ++axis) *to++ = to_8_bits(color)[axis];
   }
@@ -88,7 +88,7 @@ py::array world_of(const PyFrame& frame) {
   py::array_t<double> array({static_cast<py::ssize_t>(cloud.size()), py::ssize_t{3}});
   {
     double* to = array.mutable_data();
-    const py::gil_scoped_release release;
+    const ReleasedGil released;
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const glm::dvec3 at = cloud.world(i);
       for (int axis = 0; axis < 3; ++axis) *to++ = at[axis];

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <pybind11/pybind11.h>
+#include <unistd.h>
 
 #include "pointreel/error.h"
 
@@ -26,11 +27,31 @@ T value_or_raise(Result<T> result) {
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
+/// Lets other threads of Python run, as pybind11's gil_scoped_release does. But where Python ends
+/// meanwhile, a daemon thread stays in here, as in Python 3.14: before, Python ends such a thread
+/// by an unwinding that must not pass a destructor.
+class ReleasedGil {
+ public:
+  ReleasedGil() : state_(PyEval_SaveThread()) {}
+  ReleasedGil(const ReleasedGil&) = delete;
+  ReleasedGil& operator=(const ReleasedGil&) = delete;
+  ~ReleasedGil() {
+    try {
+      PyEval_RestoreThread(state_);
+    } catch (...) {
+      for (;;) pause();
+    }
+  }
+
+ private:
+  PyThreadState* state_;
+};
+
 /// Runs `work`, which returns a Result, while other threads of Python run.
 template <class Work>
 auto without_gil(const Work& work) {
   return value_or_raise([&] {
-    const pybind11::gil_scoped_release release;
+    const ReleasedGil released;
     return work();
   }());
 }
@@ -44,7 +65,7 @@ template <class Poll>
 auto until_signalled(const Poll& poll) {
   for (;;) {
     auto given = [&] {
-      const pybind11::gil_scoped_release release;
+      const ReleasedGil released;
       return poll(kSignalPeriod);
     }();
     if (given) return std::move(*given);
@@ -67,7 +88,7 @@ auto interruptible(const Work& work) {
     });
   } catch (...) {
     stop.request_stop();
-    const pybind11::gil_scoped_release release;
+    const ReleasedGil released;
     outcome.wait();
     throw;
   }

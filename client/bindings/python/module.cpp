@@ -235,7 +235,7 @@ class PyPublisher {
     send(frame.frame->cloud, time);
   }
   void flush() {
-    const py::gil_scoped_release release;
+    const ReleasedGil released;
     publisher_->flush();
   }
   std::string trouble() const { return publisher_->trouble(); }

@@ -253,6 +253,22 @@ class Packages(TemporaryFolder):
             thread.join()
         self.assertEqual(seen, [list(range(10))] * 4)
 
+    def test_threads_share_one_iterator(self):
+        reel = pointreel.open(self.make())
+        for _ in range(20):
+            iterator, seen = iter(reel), []
+
+            def take():
+                for frame in iterator:
+                    seen.append(frame.index)
+
+            threads = [threading.Thread(target=take) for _ in range(4)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            self.assertEqual(sorted(seen), list(range(10)))
+
     def test_frames_of_all_kinds_are_packed(self):
         positions, colors, normals = ball()
         # As Open3D's PointCloud: vectors of doubles, colours from 0 to 1, empty where absent.

@@ -32,10 +32,16 @@ ReadAhead::~ReadAhead() {
   for (std::thread& thread : threads_) thread.join();
 }
 
+bool ReadAhead::ended() const {
+  const std::lock_guard lock(mutex_);
+  return taken_ == order_.size();
+}
+
 std::optional<Result<SharedFrame>> ReadAhead::next(std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
-  if (!changed_.wait_for(lock, timeout, [&] { return read_.contains(taken_); }))
-    return std::nullopt;
+  changed_.wait_for(lock, timeout,
+                    [&] { return taken_ == order_.size() || read_.contains(taken_); });
+  if (!read_.contains(taken_)) return std::nullopt;
   auto frame = std::move(read_.extract(taken_++).mapped());
   lock.unlock();
   changed_.notify_all();

@@ -20,7 +20,7 @@ namespace pointreel {
 
 /// Reads frames in a given order, some of them before they are asked for: while the caller works
 /// with one, threads of this object fetch and decode the next ones. No more than `ahead` frames are
-/// held, so that memory does not grow. To be used by one thread.
+/// held, so that memory does not grow. Threads that share it share the frames: each goes to one.
 class ReadAhead {
  public:
   /// `ahead` is at least 1.
@@ -31,9 +31,9 @@ class ReadAhead {
   ReadAhead(const ReadAhead&) = delete;
   ReadAhead& operator=(const ReadAhead&) = delete;
 
-  bool ended() const { return taken_ == order_.size(); }
-  /// The next frame, or why it cannot be had; nothing if it has not come by then. Reading goes on
-  /// with the frame after it in either case. Not to be called once it has ended.
+  bool ended() const;
+  /// The next frame, or why it cannot be had; nothing if it has not come by then, or if there are
+  /// no more. Reading goes on with the frame after it where there is an error, too.
   std::optional<Result<SharedFrame>> next(std::chrono::milliseconds timeout);
 
  private:
@@ -46,7 +46,7 @@ class ReadAhead {
   std::stop_source stop_;
   std::optional<std::stop_callback<std::function<void()>>> outer_stop_;  ///< stops stop_
 
-  std::mutex mutex_;  ///< guards what follows, up to the threads
+  mutable std::mutex mutex_;  ///< guards what follows, up to the threads
   std::condition_variable changed_;
   std::map<std::size_t, Result<SharedFrame>> read_;  ///< by their place in the order
   std::size_t begun_ = 0, taken_ = 0;

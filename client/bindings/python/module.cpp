@@ -137,9 +137,14 @@ class PyReel {
 };
 
 PyFrame next_of(ReadAhead& ahead) {
-  if (ahead.ended()) throw py::stop_iteration();
-  return {value_or_raise(
-      until_signalled([&](std::chrono::milliseconds time) { return ahead.next(time); }))};
+  auto frame = until_signalled(
+      [&](std::chrono::milliseconds time) -> std::optional<std::optional<Result<SharedFrame>>> {
+        auto next = ahead.next(time);
+        if (next || ahead.ended()) return next;
+        return std::nullopt;
+      });
+  if (!frame) throw py::stop_iteration();
+  return {value_or_raise(std::move(*frame))};
 }
 
 class PyLive {

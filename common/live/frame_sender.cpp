@@ -49,8 +49,8 @@ FrameSender::FrameSender(OutboxOptions options, const ReelHead& head)
 
 void FrameSender::send(EncodedFrame frame, const Content& content, std::uint64_t capture_us) {
   greet(content);
-  // Capture times must rise, even if two frames came within a microsecond.
-  last_us_ = std::max(capture_us, last_us_ + 1);
+  last_us_ = time_of(capture_us);
+  shift_us_ = last_us_ - capture_us;
   outbox_.push(number_, messages_of(std::move(frame), number_, last_us_));
   ++number_;
 }
@@ -59,6 +59,14 @@ void FrameSender::send_sound(ByteView packet, std::uint16_t samples, std::uint64
   const LiveSound sound{sounds_++, capture_us, samples, packet};
   outbox_.sound(
       {LiveMessage::Kind::binary, std::make_shared<const Bytes>(write_live_sound(sound))});
+}
+
+/// Two frames of the same time shift those after them no longer than until the times given have
+/// caught up.
+std::uint64_t FrameSender::time_of(std::uint64_t capture_us) const {
+  if (number_ == 0 || capture_us > last_us_) return capture_us;
+  const std::uint64_t shifted = capture_us + shift_us_;
+  return shifted > last_us_ ? shifted : last_us_ + frame_duration_us(hello_.fps);
 }
 
 void FrameSender::flush() {

@@ -27,8 +27,8 @@ class FrameSender {
     bool colors = false, normals = false;
     std::vector<ScalarRange> scalars = {};
   };
-  /// Does not wait for the link. `capture_us`: Unix time; times rise by at least a microsecond,
-  /// whatever is given.
+  /// Does not wait for the link. `capture_us`: Unix time. Where it does not rise, as by a clock
+  /// that was set back, the stream's time goes on at the nominal rate.
   void send(EncodedFrame frame, const Content& content, std::uint64_t capture_us);
 
   /// A packet of Opus (live_sound.h). May be called by another thread than send().
@@ -42,12 +42,14 @@ class FrameSender {
 
  private:
   void greet(const Content& content);
+  std::uint64_t time_of(std::uint64_t capture_us) const;
 
   const LiveSecret secret_;
   LiveHello hello_;
   bool greeted_ = false;
   std::uint32_t number_ = 0;
-  std::uint64_t last_us_ = 0;
+  std::uint64_t last_us_ = 0;   ///< the time of the newest frame
+  std::uint64_t shift_us_ = 0;  ///< from the times given to those of the stream
   std::uint32_t sounds_ = 0;
   Outbox outbox_;
 };

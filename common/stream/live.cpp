@@ -1,6 +1,7 @@
 #include "common/stream/live.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -144,6 +145,10 @@ Result<TypedText> parse_typed(std::string_view text) {
 }
 
 }  // namespace
+
+std::uint64_t frame_duration_us(double fps) {
+  return static_cast<std::uint64_t>(std::llround(1e6 / fps));
+}
 
 std::string write_hello(const LiveHello& hello) {
   return hello_text(hello, "session", fmt::format("{:016x}", hello.session));

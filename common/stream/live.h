@@ -46,6 +46,9 @@ struct LiveHello : ReelHead {
   bool operator==(const LiveHello&) const = default;
 };
 
+/// The nominal duration of a frame in microseconds.
+std::uint64_t frame_duration_us(double fps);
+
 /// Chosen at random by a publisher when it starts, and known only to it and the server. With it the
 /// publisher, and nobody else, continues its session after a lost connection.
 using LiveSecret = std::array<std::uint8_t, 16>;

@@ -1,7 +1,6 @@
 #include "server/relay/segmenter.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "common/stream/layer_file_name.h"
@@ -146,10 +145,6 @@ Segment rebased(Segment segment, std::uint32_t first_frame, std::uint64_t start_
   segment.first_frame -= first_frame;
   for (std::uint64_t& time : segment.times_us) time -= start_us;
   return segment;
-}
-
-std::uint64_t frame_duration_us(double fps) {
-  return static_cast<std::uint64_t>(std::llround(1e6 / fps));
 }
 
 std::uint64_t end_of(const Segment& segment, double fps) {

@@ -85,9 +85,6 @@ Manifest live_head(const LiveHello& hello, const LiveTotals& totals);
 /// The segment's entry in a manifest that begins with this frame at this time.
 Segment rebased(Segment segment, std::uint32_t first_frame, std::uint64_t start_us);
 
-/// The nominal duration of a frame in microseconds.
-std::uint64_t frame_duration_us(double fps);
-
 /// When a segment of a manifest ends, including the duration of its last frame.
 std::uint64_t end_of(const Segment& segment, double fps);
 

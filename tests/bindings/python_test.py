@@ -409,6 +409,19 @@ class Servers(TemporaryFolder):
         with self.assertRaises(ValueError):
             stream.send(ball())
 
+    def test_a_stream_goes_on_where_the_times_given_do_not(self):
+        url = f"ws://{self.serve('--live')}/live/ball"
+        viewer, seen = pointreel.live(url), []
+        with pointreel.publish(url, fps=10) as stream:
+            for time_given in (1000.0, 1000.1, 500.0, 500.1, 500.2, 500.2, 500.2, 1000.9):
+                stream.send(pointreel.Points(lattice(), time=time_given))
+                frame = viewer.next(timeout=30)
+                while frame.index == len(seen) - 1:  # its finest layers come late
+                    frame = viewer.next(timeout=30)
+                seen.append(frame.time)
+        np.testing.assert_allclose(
+            seen, [1000.0, 1000.1, 1000.2, 1000.3, 1000.4, 1000.5, 1000.6, 1000.9])
+
     def test_publishing_fails_where_the_server_says_no(self):
         with self.assertRaises(pointreel.Error) as raised:
             pointreel.publish("ws://127.0.0.1:9/")

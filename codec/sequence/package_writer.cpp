@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
+#include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -11,9 +12,11 @@
 
 #include "codec/max_error.h"
 #include "codec/sequence/cloud_memory.h"
+#include "codec/sequence/collapse.h"
 #include "codec/sequence/frames_grid.h"
 #include "codec/sequence/package_folder.h"
 #include "codec/sequence/segment_writer.h"
+#include "codec/sequence/strays.h"
 #include "common/base/output_folder.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
@@ -113,14 +116,23 @@ class PackageWriter::Impl {
   }
 
   Result<void> write_segment(const std::stop_token& stop) {
+    const std::size_t first = frames_ - segment_.size();
     std::vector<FrameExtent> extents(segment_.size());
-    for_each_frame([&](std::size_t i) { extents[i] = extent_of(segment_[i]); });
-    const Grid grid = TRY(grid_for_frames(extents, options_, [&](std::size_t i) {
+    std::vector<std::string> strays(segment_.size());
+    for_each_frame([&](std::size_t i) {
+      extents[i] = extent_of(segment_[i]);
+      strays[i] = strays_text(segment_[i]);
+    });
+    std::string far;  // of the first frame that has strays
+    for (std::size_t i = 0; i < strays.size() && far.empty(); ++i)
+      if (!strays[i].empty()) far = fmt::format("frame {}: {}", first + i, strays[i]);
+    const Result<Grid> shared = grid_for_frames(extents, options_, [&](std::size_t i) {
       // Not owned: the frames stay until the segment is written.
       return Result<std::shared_ptr<const PointCloud>>(
           std::shared_ptr<const PointCloud>(std::shared_ptr<void>(), &segment_[i]));
-    }));
-    const std::size_t first = frames_ - segment_.size();
+    });
+    if (!shared) return tl::unexpected(blame(far, shared.error()));
+    const Grid& grid = *shared;
     std::vector<Result<EncodedFrame>> encoded(segment_.size());
     std::vector<double> errors(segment_.size());
     for_each_frame([&](std::size_t i) {
@@ -131,7 +143,15 @@ class PackageWriter::Impl {
     if (stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
     SegmentWriter writer(folder_.path(), static_cast<std::uint32_t>(first), manifest_.layer_names);
     for (std::size_t i = 0; i < segment_.size(); ++i) {
-      if (!encoded[i]) return fail_at(fmt::format("frame {}", first + i), encoded[i].error());
+      Result<void> whole;
+      if (!encoded[i]) {
+        whole = tl::unexpected(encoded[i].error());
+      } else if (!options_.voxel) {
+        whole = check_collapse(*encoded[i], segment_[i], grid, !far.empty());
+      }
+      if (!whole)
+        return tl::unexpected(
+            blame(far, at_place(fmt::format("frame {}", first + i), whole).error()));
       TRY(writer.append(*encoded[i], times_[i]));
       sum_up(segment_[i], extents[i], encoded[i]->depth, errors[i]);
     }

@@ -37,7 +37,8 @@ class PackageWriter {
 
   /// Adds a frame, whose points are made safe to use first (`sanitize`). `time_us`: when it is
   /// shown, from the reel's start, and not before the frame that was added last; by default, frames
-  /// are shown at WriteOptions::fps. After an error, or once it was stopped (`cancelled`), nothing
+  /// are shown at WriteOptions::fps. `limit` if points lie so far away that a frame of the segment
+  /// would collapse (collapse.h). After an error, or once it was stopped (`cancelled`), nothing
   /// more can be written.
   Result<void> add(PointCloud cloud, std::optional<std::uint64_t> time_us = {},
                    const std::stop_token& stop = {});

@@ -10,7 +10,7 @@
 #include "codec/sequence/cloud_memory.h"
 #include "common/base/try.h"
 #include "common/cloud/keep_points.h"
-#include "server/pack/strays.h"
+#include "codec/sequence/strays.h"
 
 namespace pointreel {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "codec/max_error.h"
 #include "codec/part_sizes.h"
+#include "codec/sequence/collapse.h"
 #include "common/base/try.h"
 #include "common/cloud/scalar_fields.h"
-#include "server/pack/collapse.h"
 
 namespace pointreel {
 namespace {
@@ -32,21 +32,22 @@ Result<EncodeOptions> encode(PackedFrame& frame, const PointCloud& cloud, const 
 }
 
 /// A frame that collapses is an error, or a warning. `strays`: of the frames that share its grid.
-Result<void> check_collapse(PackedFrame& frame, const std::string& file, const PointCloud& cloud,
+Result<void> judge_collapse(PackedFrame& frame, const std::string& file, const PointCloud& cloud,
                             const Grid& grid, const std::string& strays, const EncodeOptions& used,
                             bool best_effort) {
   const std::optional<Collapse> collapse =
       collapse_of(frame.encoded, cloud, grid, used, !strays.empty());
   if (!collapse) return {};
+  const std::string why = fmt::format("{}, because {}: {}", collapse->what, collapse->why,
+                                      collapse->far_apart ? "give --cube frame" : "remove these");
   if (best_effort) {
-    frame.warnings.push_back(fmt::format("{}, because {}", collapse->what, collapse->why));
+    frame.warnings.push_back(why);
     return {};
   }
   if (!strays.empty())
     return fail(ErrorCode::limit, fmt::format("{} ({}: {})", strays, file, collapse->what));
   return fail(ErrorCode::limit,
-              fmt::format("{}: {}, because {}, or --best-effort to pack them nevertheless", file,
-                          collapse->what, collapse->why));
+              fmt::format("{}: {}, or --best-effort to pack them nevertheless", file, why));
 }
 
 }  // namespace
@@ -73,7 +74,7 @@ Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const Pac
   const auto used = encode(frame, cloud, *grid, options, limits);
   if (!used) return fail_at(file, used.error());
   if (!options.voxel) {
-    TRY(check_collapse(frame, file, cloud, *grid, input.strays_of(*loaded), *used,
+    TRY(judge_collapse(frame, file, cloud, *grid, input.strays_of(*loaded), *used,
                        options.best_effort));
   }
   if (frame.encoded.has_scalars) frame.scalars = ranges_of(cloud);

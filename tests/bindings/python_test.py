@@ -80,6 +80,34 @@ class Codec(unittest.TestCase):
                                    atol=1e-4)
         self.assertLess(np.abs(frame.positions).max(), 1.0)
 
+    def test_points_that_floats_cannot_hold_do_not_move_the_others(self):
+        positions = np.random.default_rng(1).random((1000, 3)) + [500000, 5400000, 100]
+        positions[::7] = [1e39, 0, 0]
+        positions[1::7] = np.nan
+        frame = pointreel.decode(pointreel.encode(positions))
+        kept = positions[np.arange(1000) % 7 > 1]
+        np.testing.assert_allclose(np.sort(frame.world, axis=0), np.sort(kept, axis=0), atol=0.01)
+
+    def test_a_cloud_that_would_collapse_is_an_error_that_names_the_point(self):
+        near = np.random.default_rng(1).random((1000, 3)) + [500000, 5400000, 100]
+        a_third, single = near.copy(), near.copy()
+        a_third[::3] = 0
+        single[5] = [1e30, 0, 0]
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        path = os.path.join(folder.name, "far.reel")
+        for far, named in ((a_third, "the point at 0 0 0"), (single, "the point at 1e+30 0 0")):
+            with self.assertRaisesRegex(pointreel.Error, re.escape(named)):
+                pointreel.encode(far)
+            with self.assertRaisesRegex(pointreel.Error, "frame 0: .*" + re.escape(named)):
+                pointreel.pack([far], path)
+        single[5] = [1e12, 0, 0]
+        with self.assertRaisesRegex(pointreel.Error, r"^frame 1: the point at 1e\+12 .*\(frame 0: "):
+            pointreel.pack([near, single], path)
+        with self.assertRaisesRegex(pointreel.Error, "let fewer frames share a segment"):
+            pointreel.pack([near, near + 1e7], path)
+        self.assertEqual(pointreel.pack([near, near + 1e7], path, segment=1), 2)
+
     def test_colors_may_be_floats_and_arrays_may_have_gaps(self):
         positions, colors, normals = ball()
         data = pointreel.encode(positions[::-1][::2], colors[::-1][::2] / 255.0,

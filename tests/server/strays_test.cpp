@@ -1,4 +1,4 @@
-#include "server/pack/strays.h"
+#include "codec/sequence/strays.h"
 
 #include <random>
 

@@ -1,12 +1,18 @@
 #include "client/bindings/frames/point_arrays.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "codec/sequence/collapse.h"
 #include "codec/sequence/frames_grid.h"
+#include "codec/sequence/strays.h"
+#include "common/base/median.h"
 #include "common/base/out_of_memory.h"
+#include "common/base/spread.h"
 #include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "common/cloud/scalar_fields.h"
@@ -24,23 +30,41 @@ std::vector<Vector> vectors(const Number* numbers, std::size_t count) {
   return result;
 }
 
-bool is_finite(const glm::dvec3& v) {
+template <class Vector>
+bool is_finite(const Vector& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-void take_world_positions(PointCloud& cloud, const PointArrays& arrays) {
-  const auto position = [&](std::size_t i) {
-    const double* at = arrays.world_positions + 3 * i;
-    return glm::dvec3(at[0], at[1], at[2]);
-  };
-  Box box;
+glm::dvec3 world_position(const PointArrays& arrays, std::size_t i) {
+  const double* at = arrays.world_positions + 3 * i;
+  return {at[0], at[1], at[2]};
+}
+
+/// The median on each axis of some of the points that floats can hold: points that are anywhere
+/// else do not change it.
+glm::dvec3 middle_of(const PointArrays& arrays) {
+  constexpr std::size_t kSamples = 1024;
+  std::vector<std::size_t> usable;
   for (std::size_t i = 0; i < arrays.count; ++i)
-    if (is_finite(position(i))) box.grow(position(i));
+    if (is_finite(glm::vec3(world_position(arrays, i)))) usable.push_back(i);
+  if (usable.empty()) return glm::dvec3(0.0);
+  const std::size_t samples = std::min(kSamples, usable.size());
+  glm::dvec3 middle;
+  std::vector<double> values(samples);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < samples; ++i)
+      values[i] = world_position(arrays, usable[spread_index(i, samples, usable.size())])[axis];
+    middle[axis] = median(values);
+  }
+  return middle;
+}
+
+void take_world_positions(PointCloud& cloud, const PointArrays& arrays) {
   // Small whole coordinates stay what they are.
-  cloud.origin = glm::floor(box.center());
+  cloud.origin = glm::floor(middle_of(arrays));
   cloud.positions.reserve(arrays.count);
   for (std::size_t i = 0; i < arrays.count; ++i)
-    cloud.positions.emplace_back(position(i) - cloud.origin);
+    cloud.positions.emplace_back(world_position(arrays, i) - cloud.origin);
 }
 
 }  // namespace
@@ -86,12 +110,19 @@ Result<EncodedFrame> encode_points(const PointCloud& cloud, const EncodingOption
   return or_out_of_memory([&]() -> Result<EncodedFrame> {
     EncodingOptions parallel = options;
     parallel.encode.executor = tbb_executor();
-    const FrameExtent extent = extent_of(cloud);
-    const Grid grid = TRY(grid_for_frames({&extent, 1}, parallel, [&](std::size_t) {
-      return Result<std::shared_ptr<const PointCloud>>(
-          std::shared_ptr<const PointCloud>(std::shared_ptr<void>(), &cloud));
-    }));
-    return encode_frame(cloud, grid.cube, grid.encode);
+    const std::string strays = strays_text(cloud);
+    auto encoded = [&]() -> Result<EncodedFrame> {
+      const FrameExtent extent = extent_of(cloud);
+      const Grid grid = TRY(grid_for_frames({&extent, 1}, parallel, [&](std::size_t) {
+        return Result<std::shared_ptr<const PointCloud>>(
+            std::shared_ptr<const PointCloud>(std::shared_ptr<void>(), &cloud));
+      }));
+      EncodedFrame frame = TRY(encode_frame(cloud, grid.cube, grid.encode));
+      if (!options.voxel) TRY(check_collapse(frame, cloud, grid, !strays.empty()));
+      return frame;
+    }();
+    if (!encoded) return tl::unexpected(blame(strays, encoded.error()));
+    return encoded;
   });
 }
 

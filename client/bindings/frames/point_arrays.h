@@ -35,7 +35,7 @@ struct PointArrays {
 
 /// Copies them. `argument` where arrays are missing or given twice, or a scalar field's name is
 /// none (cloud.h); `limit` for too many points. The values may be anything: points without a finite
-/// position are left out (`sanitize`).
+/// position, or one that floats cannot hold, are left out (`sanitize`).
 Result<PointCloud> cloud_of(const PointArrays& arrays);
 
 /// The colour as 8 bits, rounded.
@@ -43,7 +43,8 @@ inline glm::u8vec3 to_8_bits(const glm::u16vec3& color) {
   return glm::u8vec3((glm::uvec3(color) + 128u) / 257u);
 }
 
-/// Encodes a cloud in the grid that fits it. Errors: as encode_frame.
+/// Encodes a cloud in the grid that fits it. Errors: as encode_frame, and `limit` if some points
+/// lie so far away that the others would collapse.
 Result<EncodedFrame> encode_points(const PointCloud& cloud, const EncodingOptions& options);
 
 }  // namespace pointreel

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pointreel/cloud.h"
+#include "pointreel/error.h"
 
 namespace pointreel {
 
@@ -18,6 +19,12 @@ std::vector<std::size_t> find_strays(const PointCloud& cloud);
 /// in the file.
 std::string strays_text(const PointCloud& cloud, const std::vector<std::size_t>& strays,
                         bool numbered);
+
+/// The same of a cloud, without indices; empty if there are no strays.
+std::string strays_text(const PointCloud& cloud);
+
+/// An error of which this text of strays tells the cause, if it is not empty.
+Error blame(const std::string& strays, Error error);
 
 /// The point that is farthest from the middle, as above; empty for an empty cloud.
 std::string farthest_text(const PointCloud& cloud);

@@ -1,4 +1,4 @@
-#include "server/pack/strays.h"
+#include "codec/sequence/strays.h"
 
 #include <algorithm>
 #include <cmath>
@@ -71,6 +71,16 @@ std::string strays_text(const PointCloud& cloud, const std::vector<std::size_t>&
   const std::string first = place_text(cloud, strays.front(), numbered);
   if (strays.size() == 1) return first + " lies far from all others";
   return fmt::format("{} points lie far from all others, such as {}", strays.size(), first);
+}
+
+std::string strays_text(const PointCloud& cloud) {
+  const std::vector<std::size_t> strays = find_strays(cloud);
+  return strays.empty() ? std::string() : strays_text(cloud, strays, false);
+}
+
+Error blame(const std::string& strays, Error error) {
+  if (strays.empty()) return error;
+  return {fmt::format("{}: remove such points ({})", strays, error.message), ErrorCode::limit};
 }
 
 std::string farthest_text(const PointCloud& cloud) {

@@ -1,4 +1,4 @@
-#include "server/pack/collapse.h"
+#include "codec/sequence/collapse.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "server/pack/strays.h"
+#include "codec/sequence/strays.h"
 
 namespace pointreel {
 namespace {
@@ -82,13 +82,23 @@ std::optional<Collapse> collapse_of(const EncodedFrame& encoded, const PointClou
     if (!far_apart || voxels >= kFewestVoxels || distinct_points(cloud).size() == 1)
       return std::nullopt;
   }
-  return Collapse{
-      fmt::format("its {} points collapse into voxels of {:.3g}", cloud.size(),
-                  std::ldexp(grid.cube.edge, -encoded.depth)),
-      far_apart ? "the frames of its segment lie too far apart for one cube: give --cube frame"
-                : fmt::format("some lie too far away for an octree of {} levels, such as {}: "
-                              "remove these",
-                              kMaxDepth, farthest_text(cloud))};
+  return Collapse{fmt::format("its {} points collapse into voxels of {:.3g}", cloud.size(),
+                              std::ldexp(grid.cube.edge, -encoded.depth)),
+                  far_apart
+                      ? "the frames of its segment lie too far apart for one cube"
+                      : fmt::format("some lie too far away for an octree of {} levels, such as {}",
+                                    kMaxDepth, farthest_text(cloud)),
+                  far_apart};
+}
+
+Result<void> check_collapse(const EncodedFrame& encoded, const PointCloud& cloud, const Grid& grid,
+                            bool strays) {
+  const auto collapse = collapse_of(encoded, cloud, grid, grid.encode, strays);
+  if (!collapse) return {};
+  if (strays) return fail(ErrorCode::limit, collapse->what);
+  return fail(ErrorCode::limit, fmt::format("{}, because {}: {}", collapse->what, collapse->why,
+                                            collapse->far_apart ? "let fewer frames share a segment"
+                                                                : "remove these"));
 }
 
 }  // namespace pointreel

@@ -5,13 +5,15 @@
 
 #include "codec/sequence/grid.h"
 #include "pointreel/codec.h"
+#include "pointreel/error.h"
 #include "pointreel/geometry.h"
 
 namespace pointreel {
 
 struct Collapse {
-  std::string what;  ///< "its 400 points collapse into voxels of 0.477"
-  std::string why;   ///< "the frames ...: give --cube frame"
+  std::string what;        ///< "its 400 points collapse into voxels of 0.477"
+  std::string why;         ///< "the frames of its segment lie too far apart for one cube"
+  bool far_apart = false;  ///< they do, and it is not that points of the frame are too far away
 };
 
 /// Why a frame that was encoded in this grid would be far coarser than was asked for: because its
@@ -24,5 +26,10 @@ struct Collapse {
 /// points lie far from all others; then the frame is as large as these others.
 std::optional<Collapse> collapse_of(const EncodedFrame& encoded, const PointCloud& cloud,
                                     const Grid& grid, const EncodeOptions& used, bool strays);
+
+/// The same as an error (`limit`), for frames that were encoded as their grid says. It does not
+/// tell the cause if that is `strays` (blame() in strays.h).
+Result<void> check_collapse(const EncodedFrame& encoded, const PointCloud& cloud, const Grid& grid,
+                            bool strays);
 
 }  // namespace pointreel

@@ -6,6 +6,7 @@ SERVER is the program pointreel-server. PYTHONPATH has the module.
 """
 
 import ast
+import copy
 import gc
 import os
 import pathlib
@@ -224,6 +225,15 @@ class Arrays(unittest.TestCase):
         others = [pointreel.decode(pointreel.encode(*ball(i))) for i in range(20)]
         np.testing.assert_array_equal(positions, before)
         self.assertEqual(len(others), 20)
+
+    def test_frames_are_made_by_the_module_only(self):
+        frame = pointreel.decode(pointreel.encode(lattice()))
+        derived = type("Derived", (pointreel.Frame,), {})
+        for make in (pointreel.Frame, lambda: pointreel.Frame.__new__(pointreel.Frame), derived,
+                     lambda: derived.__new__(derived), lambda: object.__new__(pointreel.Frame),
+                     lambda: copy.copy(frame)):
+            with self.assertRaises(TypeError):
+                make()
 
 
 class Packages(TemporaryFolder):

@@ -309,6 +309,12 @@ std::string describe(const PyFrame& frame) {
          (cloud.has_normals() ? ", normals" : "") + (cloud.has_scalars() ? ", scalars" : "") + ">";
 }
 
+/// Leaves making instances to the module: those that Python's __new__ makes have no value, and
+/// pybind11 takes memory that is not initialised for it.
+void forbid_construction(const py::object& type) {
+  reinterpret_cast<PyTypeObject*>(type.ptr())->tp_new = nullptr;
+}
+
 }  // namespace
 }  // namespace pointreel
 
@@ -317,8 +323,9 @@ PYBIND11_MODULE(_native, module) {
   module.attr("__version__") = POINTREEL_VERSION;
   add_error(module);
 
-  py::class_<PyFrame>(module, "Frame", "The points of a frame, which do not change.")
-      .def("__len__", [](const PyFrame& frame) { return frame.frame->cloud.size(); })
+  py::class_<PyFrame> frame(module, "Frame", "The points of a frame, which do not change.");
+  forbid_construction(frame);
+  frame.def("__len__", [](const PyFrame& frame) { return frame.frame->cloud.size(); })
       .def("__repr__", describe)
       .def_property_readonly("positions", positions_of,
                              "float32, n x 3, relative to `origin`: the frame's memory itself.")
@@ -347,9 +354,9 @@ PYBIND11_MODULE(_native, module) {
           "layers", [](const PyFrame& frame) { return frame.frame->layers; },
           "How many layers it was decoded from; 0 for a file.");
 
-  py::class_<ReadAhead>(module, "ReadAhead")
-      .def("__iter__", [](const py::object& self) { return self; })
-      .def("__next__", next_of);
+  py::class_<ReadAhead> read_ahead(module, "ReadAhead");
+  forbid_construction(read_ahead);
+  read_ahead.def("__iter__", [](const py::object& self) { return self; }).def("__next__", next_of);
 
   py::class_<PyReel>(module, "Reel")
       .def(py::init<const std::string&, std::optional<double>, std::string, std::string,

@@ -20,7 +20,8 @@ class MemoryBudget {
     if (bytes_each > 0 && count > left_ / bytes_each) {
       return fail(ErrorCode::limit, concat("takes more than the ", all_ >> 20,
                                            " MiB of memory that decoding a frame may take: raise "
-                                           "--frame-memory if you trust where it comes from"));
+                                           "--frame-memory, in programs max_memory, if you trust "
+                                           "where it comes from"));
     }
     left_ -= count * bytes_each;
     return {};

@@ -191,6 +191,7 @@ class Codec(unittest.TestCase):
         with self.assertRaises(pointreel.Error) as raised:
             pointreel.decode(data, max_memory=100)
         self.assertEqual(raised.exception.code, "limit")
+        self.assertIn("max_memory", str(raised.exception))
 
     def test_wrong_arguments_are_errors(self):
         positions, colors, normals = ball()

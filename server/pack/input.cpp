@@ -8,9 +8,9 @@
 #include <tbb/parallel_for.h>
 
 #include "codec/sequence/cloud_memory.h"
+#include "codec/sequence/strays.h"
 #include "common/base/try.h"
 #include "common/cloud/keep_points.h"
-#include "codec/sequence/strays.h"
 
 namespace pointreel {
 namespace {

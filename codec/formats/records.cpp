@@ -12,6 +12,7 @@
 #include "common/base/try.h"
 #include "common/cloud/finite.h"
 #include "common/cloud/full_color.h"
+#include "common/cloud/middle_half.h"
 
 namespace pointreel {
 namespace {
@@ -114,19 +115,10 @@ void RecordCollector::choose_origin(const std::uint8_t* base, std::size_t first,
     }
   }
   if (measured[0].empty()) return;  // the next rows may have some
-  glm::dvec3 middle(0.0);
-  double reach = 0.0, spread = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double>& values = measured[static_cast<std::size_t>(axis)];
-    std::sort(values.begin(), values.end());
-    middle[axis] = values[values.size() / 2];
-    reach = std::max(reach, std::abs(middle[axis]));
-    spread = std::max(spread, values[values.size() * 3 / 4] - values[values.size() / 4]);
-  }
+  const MiddleHalf half = middle_half(measured);
   has_origin_ = true;
-  // Points around zero need no other origin. Quartiles, because some may be strays.
-  if (reach <= kFarSpreads * spread) return;
-  cloud_.origin = glm::floor(middle);
+  if (!half.is_far(kFarSpreads)) return;  // points around zero need no other origin
+  cloud_.origin = glm::floor(half.middle);
   for (glm::vec3& position : cloud_.positions)  // none of which was measured
     position = glm::vec3(glm::dvec3(position) - cloud_.origin);
 }

@@ -14,6 +14,7 @@
 #include "common/base/spread.h"
 #include "common/cloud/attribute_names.h"
 #include "common/cloud/full_color.h"
+#include "common/cloud/middle_half.h"
 
 namespace pointreel {
 namespace {
@@ -140,25 +141,18 @@ bool are_in_range(const PlyColumn& column, std::size_t rows) {
 glm::dvec3 far_middle(std::span<const glm::dvec3> positions) {
   constexpr std::size_t kSamples = 1024;
   constexpr double kFarSpreads = 100.0;
-  glm::dvec3 middle(0.0);
-  double reach = 0.0, spread = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> finite;
-    const std::size_t count = std::min(kSamples, positions.size());
-    for (std::size_t i = 0; i < count; ++i) {
-      const glm::dvec3& position = positions[spread_index(i, count, positions.size())];
-      if (position == glm::dvec3(0.0)) continue;
-      const double value = position[axis];
-      if (std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()))
-        finite.push_back(value);
-    }
-    if (finite.empty()) return glm::dvec3(0.0);
-    std::sort(finite.begin(), finite.end());
-    middle[axis] = finite[finite.size() / 2];
-    reach = std::max(reach, std::abs(middle[axis]));
-    spread = std::max(spread, finite[finite.size() * 3 / 4] - finite[finite.size() / 4]);
+  const std::size_t count = std::min(kSamples, positions.size());
+  std::array<std::vector<double>, 3> values;
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::dvec3& position = positions[spread_index(i, count, positions.size())];
+    if (position == glm::dvec3(0.0)) continue;
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::abs(position[axis]) <= static_cast<double>(std::numeric_limits<float>::max()))
+        values[static_cast<std::size_t>(axis)].push_back(position[axis]);
   }
-  return spread > 0.0 && reach > kFarSpreads * spread ? glm::floor(middle) : glm::dvec3(0.0);
+  if (std::ranges::any_of(values, &std::vector<double>::empty)) return glm::dvec3(0.0);
+  const MiddleHalf half = middle_half(values);
+  return half.spread > 0.0 && half.is_far(kFarSpreads) ? glm::floor(half.middle) : glm::dvec3(0.0);
 }
 
 /// Adds `rows` values, which `make` makes of their rows.

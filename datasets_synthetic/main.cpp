@@ -16,11 +16,11 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 
-#include "common/base/memory.h"
-#include "common/base/print.h"
-#include "common/base/standard_output.h"
 #include "common/base/words.h"
 #include "common/command_line/command.h"
+#include "common/process/memory.h"
+#include "common/process/print.h"
+#include "common/process/standard_output.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/write_hard.h"
 #include "datasets_synthetic/write_sequence.h"

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/cloud/ply_header.h"
+#include "codec/files/ply_header.h"
 #include "pointreel/bytes.h"
 
 namespace pointreel {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string_view>
 
+#include "codec/surface/normals.h"
 #include "common/base/try.h"
-#include "common/surface/normals.h"
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/samplers/uniform.h"
 

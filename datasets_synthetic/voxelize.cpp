@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "codec/core/morton.h"
+#include "codec/core/radix_sort.h"
 #include "common/base/try.h"
-#include "common/octree/morton.h"
-#include "common/octree/radix_sort.h"
 #include "datasets_synthetic/samplers/ldc.h"
 
 namespace pointreel {

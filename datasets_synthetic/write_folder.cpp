@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "common/base/output_folder.h"
 #include "common/base/try.h"
+#include "common/file_system/output_folder.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;

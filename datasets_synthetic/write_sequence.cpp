@@ -13,10 +13,10 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include "codec/files/ply.h"
 #include "common/base/natural_order.h"
-#include "common/base/progress.h"
 #include "common/base/try.h"
-#include "common/cloud/ply.h"
+#include "common/process/progress.h"
 #include "datasets_synthetic/write_folder.h"
 
 namespace pointreel {

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "server/serve/page.h"
+#include "server/service/page.h"
 
 namespace pointreel {
 

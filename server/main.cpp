@@ -1,8 +1,8 @@
-#include "common/base/memory.h"
-#include "common/base/standard_output.h"
 #include "common/command_line/command.h"
+#include "common/process/memory.h"
+#include "common/process/standard_output.h"
 #include "server/built_in_page.h"
-#include "server/commands.h"
+#include "server/commands/commands.h"
 
 int main(int argc, char** argv) {
   pointreel::keep_freed_memory();

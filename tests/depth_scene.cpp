@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <png.h>
 
-#include "common/base/run_program.h"
 #include "common/base/try.h"
+#include "common/process/run_program.h"
 
 namespace pointreel::depth_scene {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <glm/glm.hpp>
 
-#include "codec/formats/camera_intrinsics.h"
-#include "codec/formats/picture.h"
+#include "codec/files/camera_intrinsics.h"
+#include "codec/files/picture.h"
 #include "pointreel/error.h"
 
 /// A red ball that moves before a slanted wall, as a depth camera sees it: for tests and

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "codec/frame_header.h"
+#include "codec/octree/frame_header.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
 

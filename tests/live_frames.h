@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "codec/frame_header.h"
-#include "common/stream/live.h"
-#include "common/stream/live_queue.h"
+#include "codec/live/live.h"
+#include "codec/live/live_queue.h"
+#include "codec/octree/frame_header.h"
 #include "tests/live_layer.h"
 
 /// Live messages whose layers hold no real chunks, for tests that look at headers only.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "common/stream/live.h"
+#include "codec/live/live.h"
 
 namespace pointreel {
 

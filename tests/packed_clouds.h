@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "pointreel/cloud.h"
 #include "server/pack/packer.h"
 #include "tests/packed_reel.h"

@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "pointreel/draco.h"
 #include "server/pack/packer.h"
 #include "tests/served_package.h"

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "common/stream/manifest.h"
+#include "codec/package/manifest.h"
 #include "pointreel/package.h"
 #include "tests/temporary_folder.h"
 

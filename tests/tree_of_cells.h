@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/octree/build.h"
-#include "common/octree/morton.h"
-#include "common/octree/radix_sort.h"
+#include "codec/core/build.h"
+#include "codec/core/morton.h"
+#include "codec/core/radix_sort.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {

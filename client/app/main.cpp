@@ -6,10 +6,10 @@
 #include "client/app/play_command.h"
 #include "client/app/player.h"
 #include "client/playback/opening.h"
-#include "common/base/memory.h"
-#include "common/base/print.h"
-#include "common/base/standard_output.h"
 #include "common/command_line/command.h"
+#include "common/process/memory.h"
+#include "common/process/print.h"
+#include "common/process/standard_output.h"
 
 namespace pointreel {
 namespace {

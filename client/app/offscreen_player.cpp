@@ -15,7 +15,6 @@
 #include <fmt/format.h>
 
 #include "client/app/bell.h"
-#include "client/audio/audio_passes.h"
 #include "client/playback/opening.h"
 #include "client/playback/stage.h"
 #include "client/record/frame_plan.h"
@@ -25,10 +24,11 @@
 #include "client/session/console.h"
 #include "client/session/presenter.h"
 #include "client/session/stage_setup.h"
-#include "common/audio/audio_time.h"
-#include "common/base/progress.h"
+#include "client/sound/audio_passes.h"
+#include "codec/audio/audio_time.h"
 #include "common/base/try.h"
 #include "common/net/url.h"
+#include "common/process/progress.h"
 
 namespace pointreel {
 namespace {

@@ -14,8 +14,9 @@
 #include "client/record/open_recorder.h"
 #include "client/scene/radiance_picture.h"
 #include "client/ui/bindings.h"
+#include "codec/cloud_options/cloud_options.h"
 #include "common/base/try.h"
-#include "common/command_line/shared_options.h"
+#include "common/command_line/token_option.h"
 
 namespace pointreel {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "client/app/offscreen_player.h"
 #include "client/window/window_player.h"
-#include "common/base/print.h"
-#include "common/base/stop_signal.h"
+#include "common/process/print.h"
+#include "common/process/stop_signal.h"
 
 namespace pointreel {
 

@@ -16,8 +16,8 @@
 
 #include "client/options/option_table.h"
 #include "client/options/option_text.h"
+#include "common/base/json_value.h"
 #include "common/base/try.h"
-#include "common/stream/json_value.h"
 
 namespace pointreel {
 namespace {

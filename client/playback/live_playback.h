@@ -14,7 +14,7 @@
 #include "client/playback/playback.h"
 #include "client/prepare/prepare.h"
 #include "client/source/live_source.h"
-#include "common/stream/live.h"
+#include "codec/live/live.h"
 #include "pointreel/error.h"
 
 namespace pointreel {

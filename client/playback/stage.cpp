@@ -11,7 +11,7 @@
 #include "client/source/folder_source.h"
 #include "client/source/open_live_source.h"
 #include "client/source/open_source.h"
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "common/net/url.h"

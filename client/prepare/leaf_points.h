@@ -6,7 +6,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/type_precision.hpp>
 
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 #include "pointreel/cloud.h"
 #include "pointreel/octree.h"
 

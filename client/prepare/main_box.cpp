@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "codec/core/build.h"
 #include "common/base/spread.h"
-#include "common/octree/build.h"
 #include "pointreel/geometry.h"
 
 namespace pointreel {

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "codec/core/build.h"
 #include "common/base/blocks.h"
-#include "common/octree/build.h"
 
 namespace pointreel {
 namespace {

@@ -18,14 +18,14 @@
 #include "client/prepare/tree_radii.h"
 #include "client/scene/scalar_colors.h"
 #include "client/source/decode_fetched.h"
-#include "common/base/tbb_executor.h"
+#include "codec/core/build.h"
+#include "codec/core/lattice.h"
+#include "codec/core/normal_lines.h"
+#include "codec/core/scalar_fields.h"
+#include "codec/surface/leaf_heights.h"
+#include "codec/surface/normals.h"
 #include "common/base/try.h"
-#include "common/cloud/lattice.h"
-#include "common/cloud/scalar_fields.h"
-#include "common/octree/build.h"
-#include "common/octree/normal_lines.h"
-#include "common/surface/leaf_heights.h"
-#include "common/surface/normals.h"
+#include "common/threads/tbb_executor.h"
 
 namespace pointreel {
 namespace {

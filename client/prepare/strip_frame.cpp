@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/octree/build.h"
-#include "common/octree/normal_lines.h"
+#include "codec/core/build.h"
+#include "codec/core/normal_lines.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {

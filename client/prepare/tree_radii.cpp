@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 
 namespace pointreel {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {

@@ -8,7 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "common/audio/audio_time.h"
+#include "codec/audio/audio_time.h"
 
 namespace pointreel {
 namespace {

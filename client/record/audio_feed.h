@@ -9,7 +9,7 @@
 #include <stop_token>
 #include <thread>
 
-#include "common/audio/opus_reader.h"
+#include "codec/audio/opus_reader.h"
 #include "pointreel/error.h"
 
 namespace pointreel {

@@ -17,10 +17,10 @@
 #include <unistd.h>
 
 #include "client/record/matroska.h"
-#include "common/base/ffmpeg.h"
-#include "common/base/ffprobe.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
+#include "common/process/ffmpeg.h"
+#include "common/process/ffprobe.h"
 #include "pointreel/package.h"
 
 namespace pointreel {

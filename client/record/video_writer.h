@@ -9,7 +9,7 @@
 #include "client/record/audio_feed.h"
 #include "client/record/frame_rate.h"
 #include "client/record/recorder.h"
-#include "common/base/ffmpeg.h"
+#include "common/process/ffmpeg.h"
 
 namespace pointreel {
 

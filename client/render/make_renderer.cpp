@@ -4,8 +4,8 @@
 
 #include "client/render/opengl/gl_renderer.h"
 #include "client/render/software/software_renderer.h"
-#include "common/base/tbb_executor.h"
 #include "common/base/try.h"
+#include "common/threads/tbb_executor.h"
 
 namespace pointreel {
 namespace {

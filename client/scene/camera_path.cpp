@@ -13,11 +13,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "codec/core/json_fields.h"
+#include "codec/core/write_json.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
-#include "common/base/write_file.h"
-#include "common/stream/json_fields.h"
-#include "common/stream/write_json.h"
+#include "common/file_system/write_file.h"
 
 namespace pointreel {
 namespace {

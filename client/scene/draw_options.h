@@ -169,9 +169,4 @@ inline constexpr double kLeastRoughness = 0.2;
 /// The largest edge of adaptive points, in pixels.
 inline constexpr float kLargestPoint = 64.0f;
 
-inline constexpr int kInstancings = static_cast<int>(kEnumNames<Instancing>.size());
-inline constexpr int kSplattings = static_cast<int>(kEnumNames<Splatting>.size());
-inline constexpr int kColorSources = static_cast<int>(kEnumNames<ColorSource>.size());
-inline constexpr int kDrafts = static_cast<int>(kEnumNames<Drafts>.size());
-
 }  // namespace pointreel

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "client/scene/brick_cells.h"
-#include "common/octree/build.h"
-#include "common/octree/morton.h"
+#include "codec/core/build.h"
+#include "codec/core/morton.h"
 
 namespace pointreel {
 namespace {

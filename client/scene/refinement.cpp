@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/base/for_each.h"
-#include "common/base/tbb_executor.h"
+#include "common/threads/tbb_executor.h"
 
 namespace pointreel {
 namespace {

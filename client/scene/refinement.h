@@ -12,7 +12,7 @@
 
 #include "client/scene/camera.h"
 #include "client/scene/frame.h"
-#include "common/surface/point_surface.h"
+#include "codec/surface/point_surface.h"
 
 namespace pointreel {
 
@@ -54,8 +54,6 @@ class Refinement {
 
   std::vector<Wanted> find_wanted(const Camera& camera, glm::ivec2 size) const;
   void fit(std::span<const Wanted> wanted);
-  /// Chooses how far new surfels are apart, and removes those that need none.
-  void choose_steps(std::vector<Wanted>& wanted) const;
   void divide(std::span<const Wanted> wanted);
 
   std::shared_ptr<const SceneFrame> frame_;

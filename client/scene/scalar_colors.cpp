@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 
 namespace pointreel {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "common/base/print.h"
+#include "common/process/print.h"
 
 namespace pointreel {
 namespace {

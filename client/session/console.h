@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "client/playback/stage.h"
-#include "common/base/progress.h"
+#include "common/process/progress.h"
 #include "pointreel/error.h"
 
 /// What the player prints on standard error while it plays.

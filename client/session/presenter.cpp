@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <utility>
 
-#include "common/base/print.h"
 #include "common/base/try.h"
 #include "common/base/unix_time.h"
-#include "common/base/write_file.h"
+#include "common/file_system/write_file.h"
+#include "common/process/print.h"
 
 namespace pointreel {
 

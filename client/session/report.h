@@ -7,13 +7,13 @@
 
 #include <glm/glm.hpp>
 
-#include "client/audio/audio_player.h"
 #include "client/playback/reel_playback.h"
 #include "client/playback/statistics.h"
 #include "client/scene/camera.h"
 #include "client/scene/draw_options.h"
 #include "client/scene/draw_stats.h"
 #include "client/scene/frame.h"
+#include "client/sound/audio_player.h"
 #include "client/source/live_source.h"
 #include "client/source/source.h"
 

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "common/base/print.h"
 #include "common/base/words.h"
+#include "common/process/print.h"
 
 namespace pointreel {
 

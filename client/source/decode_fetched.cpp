@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 #include "pointreel/geometry.h"

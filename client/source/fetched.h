@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "client/source/shared_bytes.h"
-#include "codec/formats/cloud_format.h"
-#include "common/cloud/placement.h"
-#include "common/cloud/reading.h"
+#include "codec/core/placement.h"
+#include "codec/files/cloud_format.h"
+#include "codec/files/reading.h"
 #include "pointreel/bytes.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"

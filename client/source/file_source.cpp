@@ -8,9 +8,9 @@
 #include <unistd.h>
 
 #include "client/source/package_source.h"
-#include "common/base/open_file.h"
+#include "codec/package/manifest.h"
 #include "common/base/try.h"
-#include "common/stream/manifest.h"
+#include "common/file_system/open_file.h"
 
 namespace pointreel {
 namespace {

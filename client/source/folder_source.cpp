@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "codec/cloud_file.h"
+#include "codec/core/scalar_fields.h"
+#include "codec/files/cloud_file.h"
 #include "common/base/natural_order.h"
 #include "common/base/try.h"
-#include "common/cloud/scalar_fields.h"
 
 namespace pointreel {
 namespace {

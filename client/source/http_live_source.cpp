@@ -11,11 +11,11 @@
 
 #include "client/source/live_assembler.h"
 #include "client/source/live_pacing.h"
+#include "codec/live/live.h"
+#include "codec/live/live_sound.h"
+#include "codec/package/http_folder.h"
 #include "common/base/try.h"
 #include "common/http/http_client.h"
-#include "common/http/http_folder.h"
-#include "common/stream/live.h"
-#include "common/stream/live_sound.h"
 #include "pointreel/package.h"
 
 namespace pointreel {

@@ -5,9 +5,10 @@
 
 #include "client/source/package_source.h"
 #include "client/source/whole_files.h"
+#include "codec/package/http_folder.h"
 #include "common/base/try.h"
 #include "common/http/http_client.h"
-#include "common/http/http_folder.h"
+#include "common/net/url.h"
 
 namespace pointreel {
 namespace {

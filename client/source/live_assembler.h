@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "client/source/live_frames.h"
-#include "common/stream/live.h"
+#include "codec/live/live.h"
 
 namespace pointreel {
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "client/source/fetched.h"
-#include "common/stream/live.h"
+#include "codec/live/live.h"
 
 namespace pointreel {
 

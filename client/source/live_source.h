@@ -9,7 +9,7 @@
 
 #include "client/source/live_frames.h"
 #include "client/source/source.h"
-#include "common/stream/live_sound.h"
+#include "codec/live/live_sound.h"
 
 namespace pointreel {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "client/source/fetched.h"
-#include "common/cloud/reading.h"
+#include "codec/files/reading.h"
 #include "common/http/http_options.h"
 #include "pointreel/bytes.h"
 #include "pointreel/codec.h"

@@ -27,6 +27,7 @@ WebSocketOptions socket_options(const SourceOptions& source) {
   options.token = source.token;
   options.ca_file = source.ca_file;
   options.silence_timeout = source.stall_timeout;
+  options.max_message = kLiveHeaderSize + kMaxLiveLayer;
   return options;
 }
 

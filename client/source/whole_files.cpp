@@ -4,8 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "codec/package/http_folder.h"
 #include "common/base/try.h"
-#include "common/http/http_folder.h"
+#include "common/net/url.h"
 
 namespace pointreel {
 

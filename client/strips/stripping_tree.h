@@ -7,7 +7,7 @@
 #include <glm/glm.hpp>
 
 #include "client/strips/surfels.h"
-#include "common/surface/cell_neighbors.h"
+#include "codec/surface/cell_neighbors.h"
 #include "pointreel/executor.h"
 
 namespace pointreel {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "client/strips/surfels.h"
-#include "common/surface/cell_neighbors.h"
+#include "codec/surface/cell_neighbors.h"
 #include "pointreel/executor.h"
 
 namespace pointreel {

@@ -9,7 +9,7 @@
 #include "client/ui/panel.h"
 #include "client/ui/panel_layout.h"
 #include "client/ui/statistics_panel.h"
-#include "common/base/print.h"
+#include "common/process/print.h"
 
 namespace pointreel {
 namespace {

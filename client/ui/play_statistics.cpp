@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "common/base/print.h"
 #include "common/base/words.h"
+#include "common/process/print.h"
 
 namespace pointreel {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "client/ui/interface_scale.h"
 #include "client/ui/timeline_view.h"
-#include "common/base/print.h"
+#include "common/process/print.h"
 
 namespace pointreel {
 namespace {

@@ -32,8 +32,8 @@
 #include "client/window/window_picture.h"
 #include "client/window/window_report.h"
 #include "client/window/window_session.h"
-#include "common/base/print.h"
 #include "common/base/try.h"
+#include "common/process/print.h"
 
 namespace pointreel {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "client/session/stage_setup.h"
-#include "common/base/print.h"
+#include "common/process/print.h"
 
 namespace pointreel {
 namespace {

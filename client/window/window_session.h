@@ -8,10 +8,10 @@
 
 #include <glm/glm.hpp>
 
-#include "client/audio/stage_audio.h"
 #include "client/options/play_options.h"
 #include "client/playback/opening.h"
 #include "client/playback/stage.h"
+#include "client/sound/stage_audio.h"
 #include "client/window/window_errors.h"
 
 namespace pointreel {

@@ -7,7 +7,7 @@
 #include <xxhash.h>
 
 #include "codec/draco/draco_payload.h"
-#include "codec/frame_header.h"
+#include "codec/octree/frame_header.h"
 #include "common/base/concat.h"
 #include "common/base/try.h"
 #include "pointreel/chunks.h"

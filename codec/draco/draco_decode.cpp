@@ -12,7 +12,7 @@
 #include <draco/mesh/mesh.h>
 
 #include "codec/draco/guarded.h"
-#include "codec/memory_budget.h"
+#include "codec/octree/memory_budget.h"
 #include "common/base/concat.h"
 #include "common/base/try.h"
 

@@ -10,14 +10,14 @@
 #include <draco/compression/expert_encode.h>
 #include <draco/point_cloud/point_cloud.h>
 
+#include "codec/core/build.h"
+#include "codec/core/morton.h"
 #include "codec/draco/draco_decode.h"
 #include "codec/draco/drc_header.h"
 #include "codec/draco/guarded.h"
-#include "codec/frame_header.h"
+#include "codec/octree/frame_header.h"
 #include "common/base/concat.h"
 #include "common/base/try.h"
-#include "common/octree/build.h"
-#include "common/octree/morton.h"
 #include "pointreel/draco.h"
 #include "pointreel/octree.h"
 

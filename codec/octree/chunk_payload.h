@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "codec/frame_header.h"
+#include "codec/octree/frame_header.h"
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
 

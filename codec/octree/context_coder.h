@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "codec/memory_budget.h"
 #include "codec/octree/context_model.h"
+#include "codec/octree/memory_budget.h"
 #include "codec/octree/slice_level.h"
 #include "codec/octree/symbol_coder.h"
 #include "common/base/byte_io.h"

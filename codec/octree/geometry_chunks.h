@@ -6,9 +6,9 @@
 #include <optional>
 #include <utility>
 
-#include "codec/frame_header.h"
-#include "codec/memory_budget.h"
 #include "codec/octree/context_coder.h"
+#include "codec/octree/frame_header.h"
+#include "codec/octree/memory_budget.h"
 #include "pointreel/bytes.h"
 #include "pointreel/codec.h"
 #include "pointreel/error.h"

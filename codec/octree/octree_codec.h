@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "codec/frame_header.h"
+#include "codec/octree/frame_header.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
 

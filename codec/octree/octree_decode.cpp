@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "codec/memory_budget.h"
 #include "codec/octree/color_space.h"
 #include "codec/octree/frame_structure.h"
 #include "codec/octree/geometry_chunks.h"
 #include "codec/octree/leaf_attributes.h"
+#include "codec/octree/memory_budget.h"
 #include "codec/octree/normal_space.h"
 #include "codec/octree/octree_codec.h"
 #include "codec/octree/octree_frame.h"

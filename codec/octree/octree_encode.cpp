@@ -8,6 +8,8 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "codec/core/build.h"
+#include "codec/core/scalar_fields.h"
 #include "codec/octree/color_space.h"
 #include "codec/octree/frame_structure.h"
 #include "codec/octree/geometry_chunks.h"
@@ -20,8 +22,6 @@
 #include "common/base/concat.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
-#include "common/cloud/scalar_fields.h"
-#include "common/octree/build.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "codec/frame_header.h"
 #include "codec/octree/attribute_coder.h"
 #include "codec/octree/chunk_payload.h"
+#include "codec/octree/frame_header.h"
 #include "codec/octree/value_arrays.h"
 
 /// What the encoder and the decoder of octree frames agree on. FORMAT.md, "Octree frames".

@@ -6,13 +6,13 @@
 #include <limits>
 #include <utility>
 
+#include "codec/core/scalar_fields.h"
 #include "codec/octree/attribute_coder.h"
 #include "codec/octree/attribute_value.h"
 #include "common/base/byte_io.h"
 #include "common/base/concat.h"
 #include "common/base/for_each.h"
 #include "common/base/try.h"
-#include "common/cloud/scalar_fields.h"
 
 namespace pointreel {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "codec/core/build.h"
 #include "codec/octree/frame_structure.h"
-#include "common/octree/build.h"
 #include "pointreel/bytes.h"
 #include "pointreel/cloud.h"
 #include "pointreel/codec.h"

@@ -14,4 +14,17 @@ T median(std::vector<T> values) {
   return *middle;
 }
 
+/// Median, smallest and largest of some values; all 0 if there are none.
+struct Spread {
+  double median = 0.0, min = 0.0, max = 0.0;
+};
+inline Spread spread_of(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  const double median =
+      values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+  return {median, values.front(), values.back()};
+}
+
 }  // namespace pointreel

@@ -13,11 +13,11 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "common/base/print.h"
 #include "common/command_line/command.h"
 #include "common/command_line/command_table.h"
 #include "common/command_line/option_words.h"
 #include "common/command_line/write_manuals.h"
+#include "common/process/print.h"
 #include "pointreel/version.h"
 
 namespace pointreel::cli {

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "common/base/try.h"
-#include "common/base/write_file.h"
 #include "common/command_line/completion.h"
 #include "common/command_line/manual.h"
+#include "common/file_system/write_file.h"
 
 namespace pointreel::cli {
 namespace {

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "common/base/words.h"
-#include "common/http/http_folder.h"
 #include "common/http/store_error.h"
+#include "common/net/url.h"
 
 namespace pointreel {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "common/base/words.h"
 #include "common/http/aws_signature.h"
-#include "common/http/http_folder.h"
 #include "common/http/http_request.h"
+#include "common/net/url.h"
 
 namespace pointreel {
 namespace {

@@ -59,4 +59,15 @@ Result<Url> parse_url(const std::string& text) {
   return url;
 }
 
+std::string without_secrets(const std::string& url) {
+  std::string shown = url.substr(0, url.find_first_of("?#"));
+  if (url.find('?') != std::string::npos) shown += "?...";
+  const std::size_t begin = shown.find("://");
+  if (begin == std::string::npos) return shown;
+  const std::size_t end = std::min(shown.find('/', begin + 3), shown.size());
+  const std::size_t at = shown.rfind('@', end);
+  if (at != std::string::npos && at > begin) shown.erase(begin + 3, at + 1 - (begin + 3));
+  return shown;
+}
+
 }  // namespace pointreel

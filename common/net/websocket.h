@@ -10,7 +10,6 @@
 #include <string>
 
 #include "common/net/url.h"
-#include "common/stream/live.h"
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
 
@@ -31,7 +30,7 @@ struct WebSocketOptions {
   /// The connection counts as lost if the peer acknowledges none of the sent data for this long. 0
   /// leaves it to the system.
   std::chrono::milliseconds stall_timeout{0};
-  std::size_t max_message = kLiveHeaderSize + kMaxLiveLayer;  ///< a longer one ends the connection
+  std::size_t max_message = 64u << 20;  ///< in bytes; a longer one ends the connection
   /// In bytes of memory, which empty messages take, too. If more messages than this wait for
   /// receive(), reading pauses until some are taken.
   std::size_t max_waiting = 64u << 20;

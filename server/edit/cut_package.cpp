@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "codec/sequence/package_folder.h"
-#include "common/audio/audio_time.h"
-#include "common/base/output_folder.h"
+#include "codec/audio/audio_time.h"
+#include "codec/package/package_folder.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
+#include "common/file_system/output_folder.h"
 #include "server/edit/put_segment.h"
 #include "server/edit/splice_sound.h"
 

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "codec/package/layer_file_name.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
-#include "common/stream/layer_file_name.h"
 #include "server/pack/link_or_copy.h"
 
 namespace pointreel {

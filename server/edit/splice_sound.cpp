@@ -10,12 +10,12 @@
 
 #include <fmt/format.h>
 
-#include "common/audio/opus_reader.h"
-#include "common/audio/opus_writer.h"
-#include "common/base/open_file.h"
-#include "common/base/output_folder.h"
+#include "codec/audio/opus_reader.h"
+#include "codec/audio/opus_writer.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
+#include "common/file_system/open_file.h"
+#include "common/file_system/output_folder.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "common/cloud/scalar_fields.h"
+#include "codec/core/scalar_fields.h"
 #include "server/pack/cleaning.h"
 
 namespace pointreel {

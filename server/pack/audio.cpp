@@ -15,16 +15,16 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include "common/audio/opus_reader.h"
-#include "common/audio/sound_file.h"
-#include "common/base/ffmpeg.h"
-#include "common/base/lock_folder.h"
-#include "common/base/open_file.h"
-#include "common/base/output_folder.h"
+#include "codec/audio/opus_reader.h"
+#include "codec/audio/sound_file.h"
+#include "codec/package/manifest.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
-#include "common/base/write_file.h"
-#include "common/stream/manifest.h"
+#include "common/file_system/lock_folder.h"
+#include "common/file_system/open_file.h"
+#include "common/file_system/output_folder.h"
+#include "common/file_system/write_file.h"
+#include "common/process/ffmpeg.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;

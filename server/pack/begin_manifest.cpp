@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "codec/sequence/encoding_options.h"
-#include "codec/sequence/segment_writer.h"
-#include "common/cloud/scalar_fields.h"
+#include "codec/core/scalar_fields.h"
+#include "codec/package/encoding_options.h"
+#include "codec/package/segment_writer.h"
 #include "pointreel/codec.h"
 
 namespace pointreel {

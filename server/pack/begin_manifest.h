@@ -1,6 +1,6 @@
 #pragma once
 
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
 #include "pointreel/package.h"
 #include "server/pack/packer.h"
 

@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "codec/sequence/cloud_memory.h"
-#include "codec/sequence/strays.h"
+#include "codec/core/keep_points.h"
+#include "codec/package/cloud_memory.h"
+#include "codec/package/strays.h"
 #include "common/base/try.h"
-#include "common/cloud/keep_points.h"
 
 namespace pointreel {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "codec/cloud_file.h"
-#include "codec/sequence/frames_grid.h"
-#include "codec/sequence/grid.h"
+#include "codec/files/cloud_file.h"
+#include "codec/package/frames_grid.h"
+#include "codec/package/grid.h"
 #include "pointreel/error.h"
 #include "server/pack/pack_options.h"
 

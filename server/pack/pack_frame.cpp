@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "codec/max_error.h"
-#include "codec/part_sizes.h"
-#include "codec/sequence/collapse.h"
+#include "codec/core/scalar_fields.h"
+#include "codec/draco/part_sizes.h"
+#include "codec/package/collapse.h"
+#include "codec/package/max_error.h"
 #include "common/base/try.h"
-#include "common/cloud/scalar_fields.h"
 
 namespace pointreel {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "codec/sequence/coarsening.h"
+#include "codec/package/coarsening.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"

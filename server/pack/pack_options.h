@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "codec/sequence/encoding_options.h"
-#include "common/cloud/reading.h"
+#include "codec/files/reading.h"
+#include "codec/package/encoding_options.h"
 
 namespace pointreel {
 

@@ -7,10 +7,10 @@
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
-#include "codec/sequence/segment_writer.h"
-#include "common/base/output_folder.h"
+#include "codec/core/scalar_fields.h"
+#include "codec/package/segment_writer.h"
 #include "common/base/try.h"
-#include "common/cloud/scalar_fields.h"
+#include "common/file_system/output_folder.h"
 #include "server/pack/cleaning.h"
 
 namespace pointreel {

@@ -3,10 +3,10 @@
 #include <utility>
 #include <vector>
 
-#include "codec/sequence/layer_writer.h"
+#include "codec/package/layer_writer.h"
 #include "codec/training/sequence_tables.h"
-#include "common/base/output_folder.h"
 #include "common/base/try.h"
+#include "common/file_system/output_folder.h"
 #include "server/pack/sample_trees.h"
 
 namespace pointreel {

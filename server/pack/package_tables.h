@@ -5,7 +5,7 @@
 #include <span>
 #include <stop_token>
 
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
 #include "pointreel/error.h"
 #include "pointreel/package.h"
 #include "server/pack/pack_options.h"

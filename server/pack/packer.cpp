@@ -6,13 +6,13 @@
 #include <string>
 #include <utility>
 
-#include "codec/cloud_file.h"
-#include "codec/sequence/package_folder.h"
-#include "codec/sequence/segment_writer.h"
-#include "common/base/output_folder.h"
-#include "common/base/tbb_executor.h"
+#include "codec/files/cloud_file.h"
+#include "codec/package/manifest.h"
+#include "codec/package/package_folder.h"
+#include "codec/package/segment_writer.h"
 #include "common/base/try.h"
-#include "common/stream/manifest.h"
+#include "common/file_system/output_folder.h"
+#include "common/threads/tbb_executor.h"
 #include "pointreel/codec.h"
 #include "pointreel/package.h"
 #include "server/pack/append_manifest.h"

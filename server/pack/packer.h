@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "common/base/median.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 #include "pointreel/error.h"
-#include "server/encode/spread.h"
 #include "server/pack/pack_options.h"
 
 namespace pointreel {

@@ -7,10 +7,10 @@
 
 #include <tbb/parallel_for.h>
 
-#include "codec/sequence/grid.h"
+#include "codec/core/build.h"
+#include "codec/package/grid.h"
 #include "common/base/spread.h"
 #include "common/base/try.h"
-#include "common/octree/build.h"
 #include "server/pack/input.h"
 
 namespace pointreel {

@@ -4,7 +4,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
 #include "pointreel/error.h"
 #include "pointreel/octree.h"
 #include "server/pack/pack_options.h"

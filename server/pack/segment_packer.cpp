@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "common/base/output_folder.h"
 #include "common/base/try.h"
+#include "common/file_system/output_folder.h"
 #include "server/pack/input.h"
 #include "server/pack/trials.h"
 #include "server/rate/rate_control.h"

@@ -6,7 +6,7 @@
 #include <span>
 #include <stop_token>
 
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
 #include "pointreel/error.h"
 #include "server/pack/pack_frame.h"
 #include "server/pack/pack_options.h"

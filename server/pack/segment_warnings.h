@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "codec/sequence/encoding_options.h"
-#include "server/encode/unread_properties.h"
+#include "codec/files/unread_properties.h"
+#include "codec/package/encoding_options.h"
 #include "server/pack/pack_segment.h"
 
 namespace pointreel {

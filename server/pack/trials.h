@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "codec/sequence/grid.h"
+#include "codec/package/grid.h"
 #include "pointreel/draco.h"
 #include "pointreel/error.h"
 #include "server/pack/input.h"

@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "codec/sequence/package_folder.h"
-#include "common/base/output_folder.h"
+#include "codec/package/package_folder.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
+#include "common/file_system/output_folder.h"
 #include "pointreel/package.h"
 #include "server/pack/append_manifest.h"
 #include "server/pack/audio.h"

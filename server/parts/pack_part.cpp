@@ -8,16 +8,16 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "codec/cloud_file.h"
-#include "codec/sequence/segment_writer.h"
-#include "common/base/tbb_executor.h"
+#include "codec/files/cloud_file.h"
+#include "codec/package/manifest.h"
+#include "codec/package/segment_writer.h"
 #include "common/base/try.h"
-#include "common/base/write_file.h"
-#include "common/stream/manifest.h"
+#include "common/file_system/write_file.h"
+#include "common/threads/tbb_executor.h"
 #include "pointreel/codec.h"
+#include "server/inspect/read_package.h"
 #include "server/pack/begin_manifest.h"
 #include "server/pack/in_arena.h"
-#include "server/pack/read_package.h"
 #include "server/pack/segment_packer.h"
 #include "server/pack/segment_warnings.h"
 

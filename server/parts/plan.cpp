@@ -10,14 +10,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "codec/cloud_file.h"
-#include "codec/formats/depth_folder.h"
-#include "codec/sequence/package_folder.h"
-#include "common/base/output_folder.h"
-#include "common/base/print.h"
+#include "codec/cloud_options/cloud_options.h"
+#include "codec/files/cloud_file.h"
+#include "codec/files/depth_folder.h"
+#include "codec/package/package_folder.h"
 #include "common/base/try.h"
-#include "common/base/write_file.h"
-#include "common/command_line/shared_options.h"
+#include "common/file_system/output_folder.h"
+#include "common/file_system/write_file.h"
+#include "common/process/print.h"
 #include "pointreel/version.h"
 #include "server/pack/audio.h"
 #include "server/pack/in_arena.h"

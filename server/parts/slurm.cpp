@@ -11,12 +11,12 @@
 
 #include <fmt/format.h>
 
-#include "common/base/print.h"
-#include "common/base/run_program.h"
+#include "codec/package/manifest.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
-#include "common/base/write_file.h"
-#include "common/stream/manifest.h"
+#include "common/file_system/write_file.h"
+#include "common/process/print.h"
+#include "common/process/run_program.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;

@@ -7,10 +7,10 @@
 #include <sys/inotify.h>
 #include <unistd.h>
 
-#include "codec/formats/cloud_format.h"
+#include "codec/files/cloud_format.h"
 #include "common/base/natural_order.h"
-#include "common/base/open_file.h"
 #include "common/base/try.h"
+#include "common/file_system/open_file.h"
 #include "server/publish/descriptor.h"
 #include "server/publish/frame_input.h"
 

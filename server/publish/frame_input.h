@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
 #include "pointreel/error.h"
 
 /// Where the frames of a publisher come from. A publisher that takes frames too slowly gets the

@@ -7,8 +7,8 @@
 #include <thread>
 #include <utility>
 
-#include "common/base/bounded_queue.h"
 #include "common/base/unix_time.h"
+#include "common/threads/bounded_queue.h"
 #include "server/publish/frame_input.h"
 
 namespace pointreel {

@@ -13,15 +13,15 @@
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
 
-#include "codec/sequence/coarsening.h"
-#include "codec/sequence/steady_grid.h"
-#include "common/base/ordered_turns.h"
+#include "codec/core/scalar_fields.h"
+#include "codec/files/unread_properties.h"
+#include "codec/live/frame_sender.h"
+#include "codec/package/coarsening.h"
+#include "codec/package/steady_grid.h"
 #include "common/base/out_of_memory.h"
-#include "common/base/tbb_executor.h"
 #include "common/base/try.h"
-#include "common/cloud/scalar_fields.h"
-#include "common/live/frame_sender.h"
-#include "server/encode/unread_properties.h"
+#include "common/threads/ordered_turns.h"
+#include "common/threads/tbb_executor.h"
 #include "server/publish/sound_input.h"
 #include "server/rate/frame_time_control.h"
 

@@ -6,10 +6,10 @@
 #include <stop_token>
 #include <string>
 
-#include "codec/sequence/encoding_options.h"
-#include "common/live/outbox.h"
+#include "codec/live/outbox.h"
+#include "codec/package/encoding_options.h"
+#include "common/base/median.h"
 #include "pointreel/error.h"
-#include "server/encode/spread.h"
 #include "server/publish/frame_input.h"
 
 namespace pointreel {

@@ -15,10 +15,10 @@
 #include <opus/opus.h>
 #include <unistd.h>
 
-#include "common/audio/sound_file.h"
-#include "common/base/ffmpeg.h"
+#include "codec/audio/sound_file.h"
+#include "codec/live/live_sound.h"
 #include "common/base/try.h"
-#include "common/stream/live_sound.h"
+#include "common/process/ffmpeg.h"
 #include "server/publish/descriptor.h"
 #include "server/publish/frame_input.h"
 

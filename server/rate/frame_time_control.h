@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "codec/sequence/coarsening.h"
+#include "codec/package/coarsening.h"
 #include "common/base/backoff.h"
 #include "pointreel/octree.h"
 

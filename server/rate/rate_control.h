@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "codec/sequence/coarsening.h"
+#include "codec/package/coarsening.h"
 
 /// How a segment must be encoded to meet a bit rate. Pure logic: it says what to encode next, is
 /// told how large the result was, and makes its choice after a few trials.

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/stream/layer_file_name.h"
-#include "common/stream/live_sound.h"
-#include "common/stream/manifest.h"
+#include "codec/live/live_sound.h"
+#include "codec/package/layer_file_name.h"
+#include "codec/package/manifest.h"
 
 namespace pointreel {
 namespace {

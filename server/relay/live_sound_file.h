@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "common/audio/opus_writer.h"
-#include "common/stream/live_sound.h"
+#include "codec/audio/opus_writer.h"
+#include "codec/live/live_sound.h"
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
 

@@ -11,8 +11,8 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include "codec/package/manifest.h"
 #include "common/base/try.h"
-#include "common/stream/manifest.h"
 #include "server/relay/left_sound.h"
 
 namespace pointreel {

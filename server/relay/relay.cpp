@@ -13,8 +13,8 @@
 
 #include <fmt/format.h>
 
+#include "codec/live/live_sound.h"
 #include "common/base/try.h"
-#include "common/stream/live_sound.h"
 #include "server/relay/stream.h"
 
 namespace pointreel {

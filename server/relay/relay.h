@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "common/stream/live.h"
-#include "common/stream/live_queue.h"
-#include "common/stream/live_sound.h"
+#include "codec/live/live.h"
+#include "codec/live/live_queue.h"
+#include "codec/live/live_sound.h"
 #include "pointreel/error.h"
 
 /// Passes live streams on from their publishers, or from other servers, to their viewers, without

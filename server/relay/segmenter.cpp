@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/stream/layer_file_name.h"
-#include "common/stream/reel_rules.h"
+#include "codec/core/reel_rules.h"
+#include "codec/package/layer_file_name.h"
 
 namespace pointreel {
 namespace {

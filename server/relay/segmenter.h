@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "codec/frame_header.h"
-#include "common/stream/live.h"
+#include "codec/live/live.h"
+#include "codec/octree/frame_header.h"
 #include "pointreel/error.h"
 #include "pointreel/package.h"
 

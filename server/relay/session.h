@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "common/stream/live.h"
+#include "codec/live/live.h"
 
 namespace pointreel {
 

@@ -6,12 +6,12 @@
 
 #include <fmt/format.h>
 
-#include "codec/frame_header.h"
+#include "codec/core/reel_rules.h"
+#include "codec/live/live_sound.h"
+#include "codec/octree/frame_header.h"
 #include "common/base/try.h"
 #include "common/base/unix_time.h"
 #include "common/base/words.h"
-#include "common/stream/live_sound.h"
-#include "common/stream/reel_rules.h"
 #include "server/relay/segmenter.h"
 
 namespace pointreel {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "common/stream/live.h"
-#include "common/stream/live_queue.h"
+#include "codec/live/live.h"
+#include "codec/live/live_queue.h"
 #include "pointreel/error.h"
 #include "server/relay/relay.h"
 #include "server/relay/session.h"

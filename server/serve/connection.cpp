@@ -8,9 +8,9 @@
 
 #include <boost/asio/buffer.hpp>
 
-#include "server/serve/head_reader.h"
-#include "server/serve/responder.h"
 #include "server/serve/websocket_session.h"
+#include "server/service/head_reader.h"
+#include "server/service/responder.h"
 
 namespace pointreel {
 namespace {

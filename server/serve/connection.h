@@ -3,11 +3,11 @@
 #include <memory>
 
 #include "server/serve/asio_types.h"
-#include "server/serve/connection_table.h"
-#include "server/serve/limits.h"
-#include "server/serve/peer.h"
-#include "server/serve/service.h"
 #include "server/serve/transport.h"
+#include "server/service/connection_table.h"
+#include "server/service/limits.h"
+#include "server/service/peer.h"
+#include "server/service/service.h"
 
 /// HTTP/1.1 over a transport. The coroutines must be spawned on the transport's strand.
 namespace pointreel {

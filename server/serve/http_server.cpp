@@ -19,9 +19,9 @@
 #include "common/base/try.h"
 #include "server/serve/asio_types.h"
 #include "server/serve/connection.h"
-#include "server/serve/connection_table.h"
 #include "server/serve/tls.h"
 #include "server/serve/transport.h"
+#include "server/service/connection_table.h"
 
 namespace pointreel {
 namespace {

@@ -7,10 +7,10 @@
 #include <string_view>
 
 #include "pointreel/error.h"
-#include "server/serve/catalog.h"
-#include "server/serve/limits.h"
 #include "server/serve/listen_address.h"
-#include "server/serve/service.h"
+#include "server/service/catalog.h"
+#include "server/service/limits.h"
+#include "server/service/service.h"
 
 namespace pointreel {
 

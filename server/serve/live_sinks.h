@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/relay/relay.h"
-#include "server/serve/live_resources.h"
+#include "server/service/live_resources.h"
 
 namespace pointreel {
 

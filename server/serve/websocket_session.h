@@ -5,9 +5,9 @@
 #include <string>
 
 #include "server/serve/asio_types.h"
-#include "server/serve/limits.h"
-#include "server/serve/service.h"
 #include "server/serve/transport.h"
+#include "server/service/limits.h"
+#include "server/service/service.h"
 
 /// Live streams over WebSocket (RFC 6455), between a transport and the relay.
 namespace pointreel {

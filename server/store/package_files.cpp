@@ -10,11 +10,12 @@
 
 #include <fmt/format.h>
 
-#include "common/base/scratch_folder.h"
+#include "codec/package/http_folder.h"
+#include "codec/package/manifest.h"
 #include "common/base/try.h"
+#include "common/file_system/scratch_folder.h"
 #include "common/http/http_client.h"
-#include "common/http/http_folder.h"
-#include "common/stream/manifest.h"
+#include "common/net/url.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;

@@ -17,9 +17,9 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include "codec/package/manifest.h"
+#include "common/base/running_checksum.h"
 #include "common/base/try.h"
-#include "common/stream/manifest.h"
-#include "common/stream/running_checksum.h"
 #include "pointreel/package.h"
 #include "server/store/object_store.h"
 

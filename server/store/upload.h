@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "common/http/http_folder.h"
+#include "codec/package/http_folder.h"
 #include "common/http/http_options.h"
 #include "pointreel/error.h"
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "codec/draco/drc_reader.h"
-#include "codec/frame_header.h"
+#include "codec/octree/frame_header.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 #include "tests/alloc/frames.h"

@@ -11,12 +11,12 @@
 
 #include <gtest/gtest.h>
 
-#include "common/stream/live.h"
-#include "common/stream/manifest.h"
+#include "codec/live/live.h"
+#include "codec/package/manifest.h"
 #include "pointreel/chunks.h"
 #include "server/relay/relay.h"
-#include "server/serve/head_reader.h"
-#include "server/serve/service.h"
+#include "server/service/head_reader.h"
+#include "server/service/service.h"
 #include "tests/alloc/frames.h"
 #include "tests/alloc/heap.h"
 #include "tests/live_frames.h"

@@ -3,13 +3,13 @@
 
 #include <fmt/format.h>
 
+#include "codec/core/build.h"
 #include "codec/octree/attribute_coder.h"
 #include "codec/octree/color_space.h"
 #include "codec/octree/normal_space.h"
 #include "codec/octree/octree_codec.h"
-#include "common/base/print.h"
-#include "common/octree/build.h"
-#include "common/surface/normals.h"
+#include "codec/surface/normals.h"
+#include "common/process/print.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/voxelize.h"
 #include "tests/bench/measure.h"

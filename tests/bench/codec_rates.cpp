@@ -8,11 +8,11 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "codec/cloud_file.h"
-#include "codec/part_sizes.h"
-#include "common/base/print.h"
+#include "codec/core/lattice.h"
+#include "codec/draco/part_sizes.h"
+#include "codec/files/cloud_file.h"
 #include "common/base/try.h"
-#include "common/cloud/lattice.h"
+#include "common/process/print.h"
 #include "pointreel/draco.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/peak_memory.h"

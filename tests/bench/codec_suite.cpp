@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include "codec/frame_header.h"
+#include "codec/octree/frame_header.h"
 #include "codec/octree/octree_codec.h"
-#include "common/base/print.h"
+#include "common/process/print.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"

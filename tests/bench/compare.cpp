@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
-#include "codec/cloud_file.h"
-#include "common/base/print.h"
+#include "codec/files/cloud_file.h"
 #include "common/base/try.h"
 #include "common/command_line/command.h"
+#include "common/process/print.h"
 #include "tests/bench/output.h"
 #include "tests/distance/distance.h"
 

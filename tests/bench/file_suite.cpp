@@ -10,12 +10,12 @@
 
 #include <fmt/format.h>
 
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
+#include "codec/files/ply.h"
 #include "common/base/byte_io.h"
-#include "common/base/print.h"
 #include "common/base/try.h"
-#include "common/base/write_file.h"
-#include "common/cloud/ply.h"
+#include "common/file_system/write_file.h"
+#include "common/process/print.h"
 #include "tests/bench/clouds.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/suites.h"

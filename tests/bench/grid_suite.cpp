@@ -11,13 +11,13 @@
 #include <tbb/task_arena.h>
 #include <time.h>
 
-#include "codec/cloud_file.h"
+#include "codec/core/lattice.h"
+#include "codec/core/morton.h"
+#include "codec/files/cloud_file.h"
 #include "codec/octree/octree_codec.h"
-#include "common/base/print.h"
-#include "common/base/tbb_executor.h"
 #include "common/base/try.h"
-#include "common/cloud/lattice.h"
-#include "common/octree/morton.h"
+#include "common/process/print.h"
+#include "common/threads/tbb_executor.h"
 #include "datasets_synthetic/body.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/voxelize.h"

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "common/base/print.h"
+#include "common/process/print.h"
 
 namespace pointreel::bench {
 namespace {

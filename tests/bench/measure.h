@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/base/print.h"
+#include "common/process/print.h"
 
 /// The tools of every benchmark: repeated timing, bars, and a description of the machine.
 namespace pointreel::bench {

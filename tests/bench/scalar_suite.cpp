@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <zstd.h>
 
-#include "codec/cloud_file.h"
-#include "common/base/print.h"
+#include "codec/core/scalar_fields.h"
+#include "codec/files/cloud_file.h"
 #include "common/base/try.h"
-#include "common/cloud/scalar_fields.h"
+#include "common/process/print.h"
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/sequences.h"
 #include "pointreel/chunks.h"

@@ -4,9 +4,9 @@
 #include <tbb/task_arena.h>
 
 #include "client/scene/cut.h"
-#include "common/base/print.h"
-#include "common/base/tbb_executor.h"
-#include "common/octree/build.h"
+#include "codec/core/build.h"
+#include "common/process/print.h"
+#include "common/threads/tbb_executor.h"
 #include "datasets_synthetic/sequences.h"
 #include "pointreel/octree.h"
 #include "tests/bench/clouds.h"

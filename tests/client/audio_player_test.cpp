@@ -1,4 +1,4 @@
-#include "client/audio/audio_player.h"
+#include "client/sound/audio_player.h"
 
 #include <algorithm>
 #include <chrono>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/audio/null_device.h"
+#include "client/sound/null_device.h"
 
 namespace pointreel::audio_player_test {
 namespace {

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 #include "pointreel/octree.h"
 
 namespace pointreel::cut_test {

@@ -85,8 +85,8 @@ class DrawingPanelTest : public testing::Test {
     EXPECT_TRUE(within(draw.pixel_size, 0.0, 1000.0));
     EXPECT_TRUE(within(draw.point_size, 0.5, 100.0));
     for (int i = 0; i < 3; ++i) EXPECT_TRUE(within(draw.background[i], 0.0, 1.0));
-    EXPECT_LT(static_cast<int>(draw.splatting), kSplattings);
-    EXPECT_LT(static_cast<int>(draw.instancing), kInstancings);
+    EXPECT_LT(static_cast<int>(draw.splatting), static_cast<int>(kEnumNames<Splatting>.size()));
+    EXPECT_LT(static_cast<int>(draw.instancing), static_cast<int>(kEnumNames<Instancing>.size()));
   }
 
   Settings settings_;
@@ -184,9 +184,9 @@ TEST_F(DrawingPanelTest, every_item_of_a_list_can_be_chosen) {
       if (!GImGui->OpenPopupStack.empty()) leave();
     }
   }
-  EXPECT_EQ(splattings.size(), static_cast<std::size_t>(kSplattings));
-  EXPECT_EQ(instancings.size(), static_cast<std::size_t>(kInstancings));
-  EXPECT_EQ(drafts.size(), static_cast<std::size_t>(kDrafts));
+  EXPECT_EQ(splattings.size(), kEnumNames<Splatting>.size());
+  EXPECT_EQ(instancings.size(), kEnumNames<Instancing>.size());
+  EXPECT_EQ(drafts.size(), kEnumNames<Drafts>.size());
   EXPECT_EQ(colors.size(), kEnumNames<ColorSource>.size());
   EXPECT_EQ(fields, (std::set<std::string>{"", "intensity", "class"}));
   EXPECT_EQ(lights.size(), kEnumNames<Light>.size());

@@ -11,7 +11,7 @@
 #include "client/render/software/software_renderer.h"
 #include "client/scene/renderer_choice.h"
 #include "common/base/enum_names.h"
-#include "common/base/tbb_executor.h"
+#include "common/threads/tbb_executor.h"
 
 namespace pointreel {
 

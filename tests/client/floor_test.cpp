@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 #include "tests/client/drawing_test.h"
 #include "tests/read_alpha.h"
 
@@ -147,7 +147,8 @@ INSTANTIATE_TEST_SUITE_P(, FloorTest, kBothRenderers, renderer_name);
 
 TEST_P(FloorTest, is_hidden_by_the_scene_from_above_and_hides_it_from_below) {
   std::vector<DrawOptions> ways;
-  for (int i = 0; i < kSplattings; ++i) ways.emplace_back().splatting = static_cast<Splatting>(i);
+  for (int i = 0; i < static_cast<int>(kEnumNames<Splatting>.size()); ++i)
+    ways.emplace_back().splatting = static_cast<Splatting>(i);
   ways.emplace_back().mode = DrawMode::voxel;
   ways.emplace_back().mode = DrawMode::point;
   ways.emplace_back().edl = 1.0f;

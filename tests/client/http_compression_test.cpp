@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "client/source/open_source.h"
-#include "common/stream/manifest.h"
+#include "codec/package/manifest.h"
 #include "pointreel/package.h"
 #include "tests/scripted_http_server.h"
 #include "tests/small_package.h"

@@ -13,9 +13,9 @@
 
 #include "client/source/live_pacing.h"
 #include "client/source/open_live_source.h"
-#include "common/stream/live.h"
-#include "common/stream/live_sound.h"
-#include "common/stream/manifest.h"
+#include "codec/live/live.h"
+#include "codec/live/live_sound.h"
+#include "codec/package/manifest.h"
 #include "pointreel/package.h"
 #include "tests/scripted_http_server.h"
 #include "tests/wait.h"

@@ -13,7 +13,7 @@
 
 #include "client/source/open_source.h"
 #include "client/source/whole_files.h"
-#include "common/stream/manifest.h"
+#include "codec/package/manifest.h"
 #include "pointreel/chunks.h"
 #include "tests/scripted_http_server.h"
 #include "tests/small_package.h"

@@ -11,7 +11,7 @@
 #include "client/render/light_probe.h"
 #include "client/render/software/software_renderer.h"
 #include "client/render/srgb.h"
-#include "common/base/tbb_executor.h"
+#include "common/threads/tbb_executor.h"
 #include "tests/client/renderer_test.h"
 
 namespace pointreel::late_light_test {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 
 namespace pointreel::layer_choice_test {
 namespace {

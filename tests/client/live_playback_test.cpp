@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/stream/live.h"
+#include "codec/live/live.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
 #include "tests/live_frames.h"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "client/prepare/tree_radii.h"
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 #include "tests/executors.h"
 
 namespace pointreel::node_radii_test {

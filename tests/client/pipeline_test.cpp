@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/base/tbb_executor.h"
+#include "common/threads/tbb_executor.h"
 #include "tests/wait.h"
 
 namespace pointreel::pipeline_test {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 
 namespace pointreel::point_spacing_test {
 namespace {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "client/scene/scalar_colors.h"
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 

@@ -93,7 +93,7 @@ TEST_P(RendererTest, finds_the_world_position_of_a_pixel) {
       camera.up = up;
       camera.orbit(0.2, up == 'z' ? 1.4 : 0.1);
       std::vector<DrawOptions> ways = {plain(DrawMode::voxel), plain(DrawMode::point)};
-      for (int i = 0; i < kSplattings; ++i) {
+      for (int i = 0; i < static_cast<int>(kEnumNames<Splatting>.size()); ++i) {
         ways.push_back(plain(DrawMode::surfel));
         ways.back().splatting = static_cast<Splatting>(i);
       }

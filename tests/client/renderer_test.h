@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "client/prepare/strip_frame.h"
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 #include "tests/client/drawing_test.h"
 
 namespace pointreel {

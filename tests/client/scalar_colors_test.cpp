@@ -11,7 +11,7 @@
 
 #include "client/render/legend_picture.h"
 #include "client/scene/legend.h"
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 
 namespace pointreel::scalar_colors_test {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 #include "tests/client/drawing_test.h"
 
 namespace pointreel::scene_instances_test {

@@ -182,7 +182,8 @@ TEST(Settings, hostile_text_is_refused_or_gives_valid_values) {
     EXPECT_TRUE(options.size.x >= 64 && options.size.x <= 16384);
     EXPECT_TRUE(options.draw.edl >= 0.0f && options.draw.edl <= 100.0f);
     EXPECT_TRUE(options.delta >= 0.0 && options.delta <= 1.0);
-    EXPECT_LT(static_cast<int>(options.draw.instancing), kInstancings);
+    EXPECT_LT(static_cast<int>(options.draw.instancing),
+              static_cast<int>(kEnumNames<Instancing>.size()));
   }
   EXPECT_GT(taken, 20);
   for (const char* key : {"mode", "unknown"}) {

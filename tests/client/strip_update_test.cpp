@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "client/strips/strips.h"
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 #include "tests/executors.h"
 
 namespace pointreel::strip_update_test {

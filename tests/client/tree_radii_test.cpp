@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 
 namespace pointreel::tree_radii_test {
 namespace {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "client/prepare/prepare.h"
-#include "common/octree/normal_lines.h"
+#include "codec/core/normal_lines.h"
 #include "tests/client/renderer_test.h"
 
 namespace pointreel::unknown_signs_test {
@@ -162,7 +162,8 @@ TEST_P(UnknownSigns, do_not_change_a_picture_of_a_cloud) {
     return all;
   }();
   for (const DrawMode mode : kModes) {
-    for (int splatting = 0; splatting < kSplattings; ++splatting) {
+    for (int splatting = 0; splatting < static_cast<int>(kEnumNames<Splatting>.size());
+         ++splatting) {
       if (mode != DrawMode::surfel && splatting > 0) continue;
       for (const Instancing instancing : {Instancing::pull, Instancing::attribute}) {
         DrawOptions options = plain(mode);

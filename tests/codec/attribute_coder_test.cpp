@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "codec/core/build.h"
 #include "codec/octree/coefficient_quantizer.h"
 #include "codec/octree/color_space.h"
 #include "codec/octree/normal_space.h"
 #include "codec/octree/raht.h"
 #include "codec/octree/tangent_frame.h"
-#include "common/octree/build.h"
 #include "tests/reference/color_decoder.h"
 
 namespace pointreel::attribute_coder_test {

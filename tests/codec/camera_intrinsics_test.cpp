@@ -1,4 +1,4 @@
-#include "codec/formats/camera_intrinsics.h"
+#include "codec/files/camera_intrinsics.h"
 
 #include <string>
 

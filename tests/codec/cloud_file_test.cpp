@@ -1,4 +1,4 @@
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
 
 #include <array>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "codec/draco/draco_payload.h"
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "tests/paths.h"
 #include "tests/temporary_folder.h"
 #include "tests/view.h"

@@ -13,12 +13,12 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "codec/core/morton.h"
 #include "codec/octree/context_tables.h"
 #include "codec/octree/node_planes.h"
 #include "codec/octree/orientation.h"
 #include "codec/octree/slice_level.h"
 #include "codec/octree/sparse_words.h"
-#include "common/octree/morton.h"
 #include "pointreel/cpu.h"
 #include "pointreel/octree.h"
 #include "pointreel/package.h"

@@ -1,4 +1,4 @@
-#include "codec/formats/depth_folder.h"
+#include "codec/files/depth_folder.h"
 
 #include <string>
 
@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
 #include "tests/depth_scene.h"
 #include "tests/temporary_folder.h"
 

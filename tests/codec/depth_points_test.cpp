@@ -1,4 +1,4 @@
-#include "codec/formats/depth_points.h"
+#include "codec/files/depth_points.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "codec/cloud_file.h"
-#include "codec/formats/depth_frame.h"
+#include "codec/files/cloud_file.h"
+#include "codec/files/depth_frame.h"
 #include "tests/depth_scene.h"
 #include "tests/view.h"
 

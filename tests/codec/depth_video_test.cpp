@@ -1,4 +1,4 @@
-#include "codec/formats/depth_video.h"
+#include "codec/files/depth_video.h"
 
 #include <fstream>
 #include <iterator>
@@ -9,9 +9,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "codec/cloud_file.h"
-#include "common/base/ffmpeg.h"
-#include "common/base/run_program.h"
+#include "codec/files/cloud_file.h"
+#include "common/process/ffmpeg.h"
+#include "common/process/run_program.h"
 #include "tests/depth_scene.h"
 #include "tests/temporary_folder.h"
 

@@ -13,8 +13,8 @@
 
 #include "codec/draco/draco_payload.h"
 #include "codec/draco/drc_header.h"
+#include "codec/draco/part_sizes.h"
 #include "codec/octree/octree_codec.h"
-#include "codec/part_sizes.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 

@@ -1,4 +1,4 @@
-#include "codec/file_numbers.h"
+#include "codec/files/file_numbers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "common/octree/build.h"
-#include "common/octree/morton.h"
+#include "codec/core/build.h"
+#include "codec/core/morton.h"
 
 namespace pointreel::frame_structure_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "codec/formats/gltf_buffers.h"
+#include "codec/files/gltf_buffers.h"
 
 #include <filesystem>
 #include <string>
@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel::gltf_buffers_test {

@@ -1,4 +1,4 @@
-#include "codec/formats/gltf.h"
+#include "codec/files/gltf.h"
 
 #include <cstring>
 #include <string>

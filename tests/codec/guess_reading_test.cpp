@@ -1,14 +1,14 @@
-#include "codec/guess_reading.h"
+#include "codec/files/guess_reading.h"
 
 #include <cstring>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "codec/formats/sample.h"
+#include "codec/files/full_color.h"
+#include "codec/files/ply.h"
+#include "codec/files/sample.h"
 #include "common/base/concat.h"
-#include "common/cloud/full_color.h"
-#include "common/cloud/ply.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel::guess_reading_test {

@@ -1,4 +1,4 @@
-#include "codec/formats/las.h"
+#include "codec/files/las.h"
 
 #include <algorithm>
 #include <cmath>

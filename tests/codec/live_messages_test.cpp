@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/stream/json_fields.h"
-#include "common/stream/live.h"
-#include "common/stream/reel_rules.h"
+#include "codec/core/json_fields.h"
+#include "codec/core/reel_rules.h"
+#include "codec/live/live.h"
 #include "pointreel/chunks.h"
 #include "tests/live_frames.h"
 #include "tests/live_layer.h"

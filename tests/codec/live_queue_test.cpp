@@ -1,6 +1,6 @@
 // The messages that wait for a viewer, and those dropped when the viewer is too slow.
 
-#include "common/stream/live_queue.h"
+#include "codec/live/live_queue.h"
 
 #include <string>
 #include <vector>

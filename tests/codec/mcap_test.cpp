@@ -1,4 +1,4 @@
-#include "codec/formats/mcap.h"
+#include "codec/files/mcap.h"
 
 #include <random>
 #include <string>
@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
 #include "tests/ros_messages.h"
 #include "tests/temporary_folder.h"
 

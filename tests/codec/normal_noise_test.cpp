@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "codec/core/build.h"
 #include "codec/octree/leaf_attributes.h"
 #include "codec/octree/normal_space.h"
-#include "common/octree/build.h"
 #include "pointreel/draco.h"
 
 namespace pointreel::normal_noise_test {

@@ -1,4 +1,4 @@
-#include "codec/formats/obj.h"
+#include "codec/files/obj.h"
 
 #include <string>
 

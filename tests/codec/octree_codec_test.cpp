@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "codec/core/build.h"
 #include "codec/octree/context_model.h"
-#include "common/octree/build.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 #include "pointreel/octree.h"

@@ -1,4 +1,4 @@
-#include "codec/formats/pcd.h"
+#include "codec/files/pcd.h"
 
 #include <bit>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <lzf.h>
 
-#include "codec/formats/words.h"
+#include "codec/files/words.h"
 #include "tests/view.h"
 
 namespace pointreel::pcd_test {

@@ -1,4 +1,4 @@
-#include "codec/formats/picture.h"
+#include "codec/files/picture.h"
 
 #include <array>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-#include "codec/formats/point_cloud2.h"
+#include "codec/files/point_cloud2.h"
 
 #include <cmath>
 #include <cstring>

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "codec/max_error.h"
-#include "common/cloud/lattice.h"
+#include "codec/core/lattice.h"
+#include "codec/package/max_error.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
 

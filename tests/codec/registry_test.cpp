@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "codec/part_sizes.h"
+#include "codec/draco/part_sizes.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"

@@ -10,8 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "codec/frame_header.h"
-#include "common/cloud/scalar_fields.h"
+#include "codec/core/scalar_fields.h"
+#include "codec/octree/frame_header.h"
 #include "pointreel/codec.h"
 
 namespace pointreel::scalar_coder_test {

@@ -8,10 +8,10 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "codec/core/build.h"
+#include "codec/core/morton.h"
 #include "codec/octree/context_coder.h"
 #include "codec/octree/context_tables.h"
-#include "common/octree/build.h"
-#include "common/octree/morton.h"
 #include "tests/paths.h"
 #include "tests/reference/context_decoder.h"
 

@@ -1,4 +1,4 @@
-#include "codec/formats/sweep.h"
+#include "codec/files/sweep.h"
 
 #include <cmath>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "codec/formats/text_points.h"
+#include "codec/files/text_points.h"
 
 #include <cmath>
 #include <string>

@@ -1,4 +1,4 @@
-#include "common/base/bounded_queue.h"
+#include "common/threads/bounded_queue.h"
 
 #include <atomic>
 #include <latch>

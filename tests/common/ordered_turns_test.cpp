@@ -1,4 +1,4 @@
-#include "common/base/ordered_turns.h"
+#include "common/threads/ordered_turns.h"
 
 #include <stdexcept>
 #include <thread>

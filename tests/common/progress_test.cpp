@@ -1,4 +1,4 @@
-#include "common/base/progress.h"
+#include "common/process/progress.h"
 
 #include <cstdlib>
 #include <string>

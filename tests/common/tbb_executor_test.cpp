@@ -1,4 +1,4 @@
-#include "common/base/tbb_executor.h"
+#include "common/threads/tbb_executor.h"
 
 #include <atomic>
 #include <chrono>

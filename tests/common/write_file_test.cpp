@@ -1,4 +1,4 @@
-#include "common/base/write_file.h"
+#include "common/file_system/write_file.h"
 
 #include <filesystem>
 #include <string>

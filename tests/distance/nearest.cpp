@@ -8,7 +8,7 @@
 #include <nanoflann.hpp>
 #include <tbb/parallel_for.h>
 
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {

@@ -16,10 +16,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
+#include "codec/live/live.h"
+#include "codec/package/manifest.h"
 #include "common/net/websocket.h"
-#include "common/stream/live.h"
-#include "common/stream/manifest.h"
 #include "pointreel/package.h"
 #include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"

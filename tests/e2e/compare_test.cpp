@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "tests/e2e/process.h"
 #include "tests/paths.h"
 #include "tests/temporary_folder.h"

@@ -13,8 +13,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "codec/cloud_file.h"
-#include "common/cloud/ply.h"
+#include "codec/files/cloud_file.h"
+#include "codec/files/ply.h"
 #include "tests/distance/distance.h"
 #include "tests/e2e/process.h"
 #include "tests/temporary_folder.h"

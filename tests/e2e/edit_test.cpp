@@ -14,8 +14,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/cloud/ply.h"
-#include "common/stream/manifest.h"
+#include "codec/files/ply.h"
+#include "codec/package/manifest.h"
 #include "pointreel/package.h"
 #include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"

@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "codec/cloud_file.h"
-#include "common/cloud/ply.h"
-#include "common/octree/build.h"
+#include "codec/core/build.h"
+#include "codec/files/cloud_file.h"
+#include "codec/files/ply.h"
 #include "pointreel/octree.h"
 #include "tests/distance/distance.h"
 #include "tests/e2e/picture.h"

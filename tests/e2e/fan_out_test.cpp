@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "common/net/websocket.h"
 #include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"

@@ -1,7 +1,7 @@
 // Live streams with the real programs: published from a folder, relayed, viewed and recorded, while
 // a server is killed in between.
 
-#include "common/stream/live.h"
+#include "codec/live/live.h"
 
 #include <chrono>
 #include <csignal>
@@ -18,9 +18,9 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
+#include "codec/package/manifest.h"
 #include "common/net/websocket.h"
-#include "common/stream/manifest.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"

@@ -18,7 +18,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "common/net/websocket.h"
 #include "tests/e2e/play.h"
 #include "tests/e2e/process.h"

@@ -14,9 +14,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "codec/cloud_file.h"
-#include "common/cloud/ply.h"
-#include "common/stream/manifest.h"
+#include "codec/files/cloud_file.h"
+#include "codec/files/ply.h"
+#include "codec/package/manifest.h"
 #include "pointreel/package.h"
 #include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"

@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "tests/e2e/picture.h"
 #include "tests/e2e/process.h"
 #include "tests/temporary_folder.h"

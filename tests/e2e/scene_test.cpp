@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "tests/e2e/picture.h"
 #include "tests/e2e/play.h"
 #include "tests/e2e/process.h"

@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "client/source/open_live_source.h"
+#include "codec/live/live.h"
 #include "common/base/unix_time.h"
 #include "common/net/websocket.h"
-#include "common/stream/live.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 #include "pointreel/package.h"

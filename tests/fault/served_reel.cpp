@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "server/pack/packer.h"
 #include "tests/e2e/server_address.h"
 #include "tests/fault/turning_ball.h"

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "common/audio/opus_reader.h"
+#include "codec/audio/opus_reader.h"
 #include "tests/fuzz/ogg_checksums.h"
 #include "tests/fuzz/target.h"
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "client/bindings/frames/encoded_bytes.h"
-#include "common/stream/live.h"
+#include "codec/live/live.h"
 #include "tests/fuzz/target.h"
 
 namespace pointreel::fuzz::encoded_bytes {

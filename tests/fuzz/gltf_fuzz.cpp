@@ -1,6 +1,6 @@
 // Reading any bytes as glTF gives a cloud or an error, within the limits, and so does looking for
 // buffers in other files, of which there are none.
-#include "codec/formats/gltf_buffers.h"
+#include "codec/files/gltf_buffers.h"
 #include "tests/fuzz/read_points.h"
 
 FUZZ_TARGET(gltf) {

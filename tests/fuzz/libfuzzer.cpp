@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/print.h"
+#include "common/process/print.h"
 #include "tests/fuzz/target.h"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);

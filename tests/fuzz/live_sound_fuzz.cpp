@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <vector>
 
-#include "client/audio/live_track.h"
+#include "client/sound/live_track.h"
+#include "codec/live/live_sound.h"
 #include "common/base/byte_io.h"
-#include "common/stream/live_sound.h"
 #include "tests/fuzz/target.h"
 
 /// The input is messages, each behind its size in two bytes. Whatever is accepted is written again

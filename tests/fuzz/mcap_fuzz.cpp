@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "codec/formats/mcap.h"
+#include "codec/files/mcap.h"
 #include "tests/fuzz/target.h"
 
 FUZZ_TARGET(mcap) {

@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <memory>
 
-#include "codec/frame_header.h"
 #include "codec/octree/context_tables.h"
+#include "codec/octree/frame_header.h"
 #include "codec/octree/octree_codec.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"

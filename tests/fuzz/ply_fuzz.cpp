@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "tests/fuzz/target.h"
 
 FUZZ_TARGET(ply) {

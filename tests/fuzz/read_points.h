@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "codec/formats/format_table.h"
+#include "codec/files/format_table.h"
 #include "pointreel/cloud.h"
 #include "tests/fuzz/target.h"
 

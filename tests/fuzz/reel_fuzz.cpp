@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/stream/manifest.h"
+#include "codec/package/manifest.h"
 #include "pointreel/package.h"
 #include "tests/fuzz/target.h"
 

@@ -18,7 +18,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "common/base/print.h"
+#include "common/process/print.h"
 #include "tests/fuzz/target.h"
 #include "tests/read_file.h"
 

@@ -9,8 +9,8 @@
 #include <variant>
 
 #include "server/relay/relay.h"
-#include "server/serve/head_reader.h"
-#include "server/serve/service.h"
+#include "server/service/head_reader.h"
+#include "server/service/service.h"
 #include "tests/fuzz/target.h"
 
 /// Whatever arrives on a connection, and in whatever pieces, the server must find the same requests

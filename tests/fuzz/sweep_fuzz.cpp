@@ -1,6 +1,6 @@
 // Reading any bytes as sweeps of a laser scanner, and guessing their floats, gives a cloud or an
 // error, and no more points than bytes.
-#include "codec/formats/sweep.h"
+#include "codec/files/sweep.h"
 #include "tests/fuzz/read_points.h"
 
 FUZZ_TARGET(sweep) {

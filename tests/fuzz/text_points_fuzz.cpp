@@ -1,6 +1,6 @@
 // Reading any bytes as lines of numbers, and guessing their columns, gives a cloud or an error, and
 // no more points than bytes.
-#include "codec/formats/text_points.h"
+#include "codec/files/text_points.h"
 #include "tests/fuzz/read_points.h"
 
 FUZZ_TARGET(text_points) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 #include "pointreel/octree.h"
 
 namespace pointreel::golden {

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "codec/live/live.h"
 #include "common/base/byte_io.h"
-#include "common/stream/live.h"
 #include "pointreel/bytes.h"
 #include "tests/load/viewers.h"
 
@@ -108,7 +108,7 @@ class LiveViewer : public CrowdMember {
   }
 
   /// Called when a whole layer has arrived. `head_` holds its header, in the order of
-  /// common/stream/PROTOCOL.md.
+  /// common/PROTOCOL.md.
   void on_layer() {
     ByteReader in({reinterpret_cast<const std::uint8_t*>(head_.data()), head_.size()});
     in.get<std::uint32_t>();

@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "common/base/print.h"
-#include "common/base/standard_output.h"
 #include "common/base/words.h"
 #include "common/command_line/command.h"
+#include "common/process/print.h"
+#include "common/process/standard_output.h"
 #include "tests/load/load_generator.h"
 
 namespace {

@@ -8,9 +8,9 @@
 #include <map>
 #include <string>
 
+#include "codec/core/morton.h"
 #include "common/base/byte_io.h"
 #include "common/base/try.h"
-#include "common/octree/morton.h"
 #include "tests/reference/symbol_reader.h"
 
 namespace pointreel::reference {

@@ -11,8 +11,8 @@
 #include <xxhash.h>
 #include <zstd.h>
 
+#include "codec/core/morton.h"
 #include "common/base/try.h"
-#include "common/octree/morton.h"
 #include "pointreel/cloud.h"
 #include "tests/reference/color_decoder.h"
 

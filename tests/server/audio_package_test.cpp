@@ -17,12 +17,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "common/audio/opus_reader.h"
-#include "common/base/ffmpeg.h"
-#include "common/base/lock_folder.h"
-#include "common/stream/manifest.h"
+#include "codec/audio/opus_reader.h"
+#include "codec/package/manifest.h"
+#include "common/file_system/lock_folder.h"
+#include "common/process/ffmpeg.h"
+#include "server/inspect/inspect.h"
 #include "server/pack/audio.h"
-#include "server/pack/inspect.h"
 #include "tests/packed_clouds.h"
 #include "tests/tone.h"
 

@@ -1,6 +1,6 @@
 // Which files of which folders can be fetched.
 
-#include "server/serve/catalog.h"
+#include "server/service/catalog.h"
 
 #include <filesystem>
 #include <string>

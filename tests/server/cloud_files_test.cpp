@@ -1,5 +1,3 @@
-#include "server/write/cloud_files.h"
-
 #include <limits>
 #include <string>
 #include <utility>
@@ -8,7 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
+#include "codec/files/write_cloud.h"
 
 namespace pointreel::cloud_files_test {
 namespace {

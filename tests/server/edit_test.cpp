@@ -13,13 +13,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/audio/opus_reader.h"
-#include "common/base/ffmpeg.h"
+#include "codec/audio/opus_reader.h"
+#include "common/process/ffmpeg.h"
 #include "server/edit/cut_package.h"
 #include "server/edit/join_packages.h"
 #include "server/edit/splice_sound.h"
+#include "server/inspect/inspect.h"
 #include "server/pack/append_manifest.h"
-#include "server/pack/inspect.h"
 #include "tests/packed_reel.h"
 #include "tests/server/recorder_test.h"
 #include "tests/tone.h"

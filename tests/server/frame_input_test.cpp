@@ -18,10 +18,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "codec/sequence/steady_grid.h"
+#include "codec/files/unread_properties.h"
+#include "codec/package/steady_grid.h"
 #include "pointreel/draco.h"
-#include "server/commands.h"
-#include "server/encode/unread_properties.h"
+#include "server/commands/commands.h"
 #include "server/publish/publisher.h"
 #include "tests/packed_clouds.h"
 

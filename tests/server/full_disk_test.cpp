@@ -11,13 +11,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/base/ffmpeg.h"
+#include "codec/package/manifest.h"
 #include "common/base/try.h"
-#include "common/stream/manifest.h"
+#include "common/process/ffmpeg.h"
 #include "server/edit/cut_package.h"
 #include "server/edit/join_packages.h"
+#include "server/inspect/inspect.h"
 #include "server/pack/audio.h"
-#include "server/pack/inspect.h"
 #include "tests/packed_clouds.h"
 #include "tests/tone.h"
 

@@ -1,4 +1,4 @@
-#include "server/serve/head_reader.h"
+#include "server/service/head_reader.h"
 
 #include <cstring>
 #include <string>

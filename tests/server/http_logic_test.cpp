@@ -6,11 +6,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/serve/entity_tag.h"
 #include "server/serve/listen_address.h"
-#include "server/serve/range_header.h"
-#include "server/serve/request_target.h"
-#include "server/serve/responder.h"
+#include "server/service/entity_tag.h"
+#include "server/service/range_header.h"
+#include "server/service/request_target.h"
+#include "server/service/responder.h"
 
 namespace pointreel::http_logic_test {
 namespace {

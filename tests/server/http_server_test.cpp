@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/stream/manifest.h"
+#include "codec/package/manifest.h"
 
 namespace pointreel::http_server_test {
 namespace {

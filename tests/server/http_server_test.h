@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/serve/entity_tag.h"
 #include "server/serve/http_server.h"
+#include "server/service/entity_tag.h"
 #include "tests/raw_http_client.h"
 #include "tests/served_package.h"
 #include "tests/wait.h"

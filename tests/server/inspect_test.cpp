@@ -1,4 +1,4 @@
-#include "server/pack/inspect.h"
+#include "server/inspect/inspect.h"
 
 #include <cmath>
 #include <filesystem>
@@ -10,8 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "codec/cloud_file.h"
-#include "common/stream/manifest.h"
+#include "codec/files/cloud_file.h"
+#include "codec/package/manifest.h"
 #include "tests/distance/distance.h"
 #include "tests/packed_clouds.h"
 

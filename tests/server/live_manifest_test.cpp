@@ -11,8 +11,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/stream/manifest.h"
-#include "common/stream/reel_rules.h"
+#include "codec/core/reel_rules.h"
+#include "codec/package/manifest.h"
 #include "server/relay/http_window.h"
 #include "server/relay/recorder.h"
 #include "server/relay/relay.h"

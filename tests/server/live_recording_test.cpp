@@ -10,13 +10,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/stream/live_sound.h"
-#include "common/stream/manifest.h"
-#include "common/stream/reel_rules.h"
+#include "codec/core/reel_rules.h"
+#include "codec/live/live_sound.h"
+#include "codec/package/manifest.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 #include "pointreel/package.h"
-#include "server/pack/inspect.h"
+#include "server/inspect/inspect.h"
 #include "server/relay/http_window.h"
 #include "server/relay/recorder.h"
 #include "server/relay/segmenter.h"

@@ -9,10 +9,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "common/cloud/ply.h"
-#include "common/mesh/triangle_mesh.h"
-#include "server/write/glb.h"
-#include "server/write/obj.h"
+#include "codec/core/triangle_mesh.h"
+#include "codec/files/glb_write.h"
+#include "codec/files/obj_write.h"
+#include "codec/files/ply.h"
 #include "tests/read_file.h"
 #include "tests/temporary_folder.h"
 

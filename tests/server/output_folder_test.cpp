@@ -1,4 +1,4 @@
-#include "common/base/output_folder.h"
+#include "common/file_system/output_folder.h"
 
 #include <cstdlib>
 #include <filesystem>

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "codec/package/manifest.h"
 #include "common/command_line/command.h"
-#include "common/stream/manifest.h"
-#include "server/commands.h"
+#include "server/commands/commands.h"
 #include "tests/packed_reel.h"
 
 namespace pointreel::pack_command_test {

@@ -6,11 +6,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "codec/cloud_file.h"
-#include "codec/max_error.h"
-#include "common/stream/manifest.h"
+#include "codec/files/cloud_file.h"
+#include "codec/package/manifest.h"
+#include "codec/package/max_error.h"
 #include "pointreel/draco.h"
-#include "server/pack/inspect.h"
+#include "server/inspect/inspect.h"
 #include "server/pack/packer.h"
 #include "tests/distance/distance.h"
 #include "tests/packed_clouds.h"

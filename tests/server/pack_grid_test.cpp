@@ -8,10 +8,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "codec/cloud_file.h"
-#include "common/stream/manifest.h"
+#include "codec/files/cloud_file.h"
+#include "codec/package/manifest.h"
 #include "pointreel/draco.h"
-#include "server/pack/inspect.h"
+#include "server/inspect/inspect.h"
 #include "server/pack/packer.h"
 #include "tests/pack_folder.h"
 

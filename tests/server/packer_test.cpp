@@ -8,12 +8,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "codec/cloud_file.h"
-#include "codec/frame_header.h"
-#include "common/stream/manifest.h"
+#include "codec/files/cloud_file.h"
+#include "codec/octree/frame_header.h"
+#include "codec/package/manifest.h"
 #include "pointreel/draco.h"
 #include "pointreel/package.h"
-#include "server/pack/inspect.h"
+#include "server/inspect/inspect.h"
 #include "tests/depth_scene.h"
 #include "tests/packed_clouds.h"
 

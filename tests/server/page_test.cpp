@@ -1,6 +1,6 @@
 // The page that browsers get from the server, and what programs get at the same addresses.
 
-#include "server/serve/page.h"
+#include "server/service/page.h"
 
 #include <array>
 #include <string>
@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "server/relay/relay.h"
-#include "server/serve/negotiation.h"
-#include "server/serve/origin.h"
+#include "server/service/negotiation.h"
+#include "server/service/origin.h"
 #include "tests/server/http_server_test.h"
 
 namespace pointreel::page_test {

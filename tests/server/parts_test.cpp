@@ -11,11 +11,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/pack/pack_arguments.h"
+#include "codec/files/recording_writer.h"
+#include "server/commands/pack_arguments.h"
 #include "server/parts/join_parts.h"
 #include "server/parts/pack_part.h"
 #include "server/parts/plan.h"
-#include "server/write/recording.h"
 #include "tests/depth_scene.h"
 #include "tests/packed_reel.h"
 #include "tests/tone.h"

@@ -1,14 +1,14 @@
-#include "common/base/print.h"
+#include "common/process/print.h"
 
 #include <random>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "codec/core/json_fields.h"
+#include "codec/core/reel_rules.h"
 #include "common/base/words.h"
-#include "common/stream/json_fields.h"
-#include "common/stream/reel_rules.h"
-#include "server/serve/log.h"
+#include "server/service/log.h"
 #include "tests/terminal_text.h"
 
 namespace pointreel::print_test {

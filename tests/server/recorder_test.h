@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "common/stream/live.h"
+#include "codec/live/live.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
-#include "server/pack/inspect.h"
+#include "server/inspect/inspect.h"
 #include "server/relay/recorder.h"
 #include "tests/live_frames.h"
 #include "tests/live_layer.h"

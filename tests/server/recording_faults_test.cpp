@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/stream/manifest.h"
+#include "codec/package/manifest.h"
 #include "server/relay/recorded_package.h"
 #include "tests/full_disk.h"
 #include "tests/server/recorder_test.h"

@@ -1,10 +1,11 @@
+#include "codec/files/recording_writer.h"
+
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "codec/cloud_file.h"
-#include "server/write/recording.h"
+#include "codec/files/cloud_file.h"
 #include "tests/temporary_folder.h"
 
 namespace pointreel::recording_writer_test {

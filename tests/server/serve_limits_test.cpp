@@ -13,14 +13,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "server/serve/access.h"
-#include "server/serve/connection_table.h"
-#include "server/serve/log.h"
 #include "server/serve/message_pace.h"
-#include "server/serve/metrics.h"
-#include "server/serve/peer.h"
-#include "server/serve/peer_quota.h"
-#include "server/serve/rate_limiter.h"
+#include "server/service/access.h"
+#include "server/service/connection_table.h"
+#include "server/service/log.h"
+#include "server/service/metrics.h"
+#include "server/service/peer.h"
+#include "server/service/peer_quota.h"
+#include "server/service/rate_limiter.h"
 
 namespace pointreel::serve_limits_test {
 namespace {

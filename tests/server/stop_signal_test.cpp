@@ -1,4 +1,4 @@
-#include "common/base/stop_signal.h"
+#include "common/process/stop_signal.h"
 
 #include <csignal>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-#include "codec/sequence/strays.h"
+#include "codec/package/strays.h"
 
 #include <random>
 

@@ -1,6 +1,6 @@
 // Streams that a relay takes from another server, which may be hostile.
 
-#include "server/relay/upstream.h"
+#include "server/upstream/upstream.h"
 
 #include <array>
 #include <atomic>
@@ -20,9 +20,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "common/stream/live_sound.h"
-#include "server/relay/upstream_tokens.h"
+#include "codec/live/live_sound.h"
 #include "server/serve/http_server.h"
+#include "server/upstream/upstream_tokens.h"
 #include "tests/live_frames.h"
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "common/base/print.h"
 #include "common/command_line/command.h"
+#include "common/process/print.h"
 #include "tests/soak/scenario.h"
 #include "tests/temporary_folder.h"
 

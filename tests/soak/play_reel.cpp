@@ -12,8 +12,8 @@
 
 #include "client/playback/reel_playback.h"
 #include "client/source/open_source.h"
+#include "codec/files/ply.h"
 #include "common/base/try.h"
-#include "common/cloud/ply.h"
 #include "server/pack/packer.h"
 #include "server/serve/http_server.h"
 #include "tests/soak/scenario.h"

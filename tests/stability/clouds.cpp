@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 #include "datasets_synthetic/random.h"
 #include "pointreel/cloud.h"
 #include "pointreel/draco.h"

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
 #include "common/base/try.h"
 #include "datasets_synthetic/hard_case.h"
 #include "pointreel/codec.h"

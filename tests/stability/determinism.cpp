@@ -7,7 +7,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "common/surface/normals.h"
+#include "codec/surface/normals.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/sequences.h"
 #include "pointreel/chunks.h"

@@ -8,7 +8,7 @@
 
 #include "client/scene/camera.h"
 #include "client/scene/cut.h"
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 #include "datasets_synthetic/random.h"
 #include "pointreel/octree.h"
 #include "tests/stability/check.h"

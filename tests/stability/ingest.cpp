@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "codec/cloud_file.h"
-#include "common/octree/build.h"
+#include "codec/core/build.h"
+#include "codec/files/cloud_file.h"
 #include "datasets_synthetic/hard_cases.h"
 #include "pointreel/octree.h"
 #include "tests/stability/check.h"

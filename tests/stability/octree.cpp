@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "common/octree/build.h"
+#include "codec/core/build.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/samplers/uniform.h"
 #include "pointreel/codec.h"

@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "codec/cloud_file.h"
-#include "codec/frame_header.h"
-#include "common/cloud/ply.h"
-#include "common/stream/manifest.h"
+#include "codec/files/cloud_file.h"
+#include "codec/files/ply.h"
+#include "codec/octree/frame_header.h"
+#include "codec/package/manifest.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "datasets_synthetic/closest_point.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/ray_cast.h"

@@ -2,7 +2,7 @@
 
 #include <tbb/task_arena.h>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/sequences.h"
 

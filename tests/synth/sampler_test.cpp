@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/samplers/uniform.h"
 #include "datasets_synthetic/sequences.h"

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/samplers/depth_range.h"

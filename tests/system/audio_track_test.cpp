@@ -1,4 +1,4 @@
-#include "client/audio/audio_track.h"
+#include "client/sound/audio_track.h"
 
 #include <atomic>
 #include <cmath>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "client/audio/audio_passes.h"
-#include "common/base/ffmpeg.h"
+#include "client/sound/audio_passes.h"
+#include "common/process/ffmpeg.h"
 #include "server/pack/audio.h"
 #include "tests/packed_reel.h"
 #include "tests/temporary_folder.h"

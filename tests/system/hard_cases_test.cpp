@@ -10,11 +10,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "codec/cloud_file.h"
-#include "common/octree/build.h"
-#include "common/stream/manifest.h"
+#include "codec/core/build.h"
+#include "codec/files/cloud_file.h"
+#include "codec/package/manifest.h"
 #include "pointreel/octree.h"
-#include "server/commands.h"
+#include "server/commands/commands.h"
 #include "tests/packed_reel.h"
 
 namespace pointreel::hard_cases_test {

@@ -1,6 +1,6 @@
 // Sound of live streams, from its messages to what is heard.
 
-#include "common/stream/live_sound.h"
+#include "codec/live/live_sound.h"
 
 #include <cmath>
 #include <memory>
@@ -11,9 +11,9 @@
 #include <gtest/gtest.h>
 #include <opus/opus.h>
 
-#include "client/audio/live_track.h"
-#include "common/audio/opus_reader.h"
-#include "common/stream/live_queue.h"
+#include "client/sound/live_track.h"
+#include "codec/audio/opus_reader.h"
+#include "codec/live/live_queue.h"
 #include "server/relay/left_sound.h"
 #include "server/relay/live_sound_file.h"
 #include "server/relay/relay.h"

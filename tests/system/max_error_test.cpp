@@ -1,4 +1,4 @@
-#include "codec/max_error.h"
+#include "codec/package/max_error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
 #include "datasets_synthetic/hard_cases.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"

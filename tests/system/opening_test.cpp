@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "tests/packed_reel.h"
 #include "tests/scripted_http_server.h"
 #include "tests/temporary_folder.h"

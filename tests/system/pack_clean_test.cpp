@@ -7,10 +7,10 @@
 
 #include "client/prepare/prepare.h"
 #include "client/source/open_source.h"
-#include "codec/sequence/encoding_options.h"
+#include "codec/package/encoding_options.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/sequences.h"
-#include "server/pack/inspect.h"
+#include "server/inspect/inspect.h"
 #include "server/pack/packer.h"
 #include "tests/pack_folder.h"
 

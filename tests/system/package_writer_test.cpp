@@ -1,4 +1,4 @@
-#include "codec/sequence/package_writer.h"
+#include "codec/package/package_writer.h"
 
 #include <filesystem>
 #include <limits>
@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "client/source/file_source.h"
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
 #include "pointreel/draco.h"
-#include "server/pack/inspect.h"
+#include "server/inspect/inspect.h"
 #include "tests/packed_clouds.h"
 
 namespace pointreel::package_writer_test {

@@ -9,10 +9,10 @@
 #include <gtest/gtest.h>
 
 #include "client/playback/reel_layers.h"
-#include "codec/cloud_file.h"
-#include "common/cloud/scalar_fields.h"
-#include "common/stream/manifest.h"
-#include "server/pack/inspect.h"
+#include "codec/core/scalar_fields.h"
+#include "codec/files/cloud_file.h"
+#include "codec/package/manifest.h"
+#include "server/inspect/inspect.h"
 #include "tests/pack_folder.h"
 
 namespace pointreel::scalar_package_test {

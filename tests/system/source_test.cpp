@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 
 #include "client/source/open_source.h"
-#include "common/stream/manifest.h"
+#include "codec/package/manifest.h"
 #include "pointreel/chunks.h"
 #include "tests/packed_reel.h"
 #include "tests/scripted_http_server.h"

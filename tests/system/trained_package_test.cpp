@@ -10,11 +10,11 @@
 
 #include "client/prepare/prepare.h"
 #include "client/source/open_source.h"
-#include "common/stream/manifest.h"
-#include "server/pack/inspect.h"
+#include "codec/package/manifest.h"
+#include "server/inspect/inspect.h"
 #include "server/pack/packer.h"
-#include "server/serve/catalog.h"
 #include "server/serve/http_server.h"
+#include "server/service/catalog.h"
 #include "tests/packed_clouds.h"
 
 namespace pointreel::trained_package_test {

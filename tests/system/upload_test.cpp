@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "client/source/open_source.h"
-#include "common/stream/manifest.h"
+#include "codec/package/manifest.h"
 #include "server/store/package_files.h"
 #include "tests/served_package.h"
 #include "tests/small_package.h"

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "datasets_synthetic/hard_cases.h"
 #include "datasets_synthetic/write_folder.h"
 #include "datasets_synthetic/write_hard.h"

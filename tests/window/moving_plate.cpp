@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "common/cloud/ply.h"
+#include "codec/files/ply.h"
 #include "tests/e2e/process.h"
 
 namespace pointreel::window {

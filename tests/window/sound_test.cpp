@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/base/ffmpeg.h"
-#include "common/stream/manifest.h"
+#include "codec/package/manifest.h"
+#include "common/process/ffmpeg.h"
 #include "server/pack/audio.h"
 #include "tests/e2e/server_address.h"
 #include "tests/read_file.h"

@@ -5,7 +5,7 @@
 
 #include "client/bindings/c/handles.h"
 #include "common/base/concat.h"
-#include "common/base/print.h"
+#include "common/process/print.h"
 
 namespace pointreel {
 namespace {

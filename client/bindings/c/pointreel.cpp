@@ -20,10 +20,10 @@
 #include "client/bindings/frames/point_frame.h"
 #include "client/source/open_live_source.h"
 #include "client/source/open_source.h"
-#include "codec/sequence/package_writer.h"
+#include "codec/package/manifest.h"
+#include "codec/package/package_writer.h"
 #include "common/base/concat.h"
 #include "common/base/try.h"
-#include "common/stream/manifest.h"
 #include "pointreel/version.h"
 
 namespace pointreel {

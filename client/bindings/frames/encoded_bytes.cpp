@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <utility>
 
-#include "codec/formats/cloud_format.h"
+#include "codec/files/cloud_format.h"
+#include "codec/live/live.h"
 #include "common/base/concat.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
-#include "common/stream/live.h"
 
 namespace pointreel {
 namespace {

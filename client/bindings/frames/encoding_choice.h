@@ -1,6 +1,6 @@
 #pragma once
 
-#include "codec/sequence/encoding_options.h"
+#include "codec/package/encoding_options.h"
 #include "pointreel/codec.h"
 #include "pointreel/error.h"
 

@@ -2,11 +2,11 @@
 
 #include <utility>
 
+#include "codec/core/scalar_fields.h"
 #include "common/base/out_of_memory.h"
-#include "common/base/tbb_executor.h"
 #include "common/base/try.h"
 #include "common/base/unix_time.h"
-#include "common/cloud/scalar_fields.h"
+#include "common/threads/tbb_executor.h"
 #include "pointreel/draco.h"
 
 namespace pointreel {

@@ -6,9 +6,9 @@
 #include <stop_token>
 #include <string>
 
-#include "codec/sequence/encoding_options.h"
-#include "codec/sequence/steady_grid.h"
-#include "common/live/frame_sender.h"
+#include "codec/live/frame_sender.h"
+#include "codec/package/encoding_options.h"
+#include "codec/package/steady_grid.h"
 #include "pointreel/cloud.h"
 #include "pointreel/error.h"
 

@@ -7,15 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "codec/sequence/collapse.h"
-#include "codec/sequence/frames_grid.h"
-#include "codec/sequence/strays.h"
+#include "codec/core/scalar_fields.h"
+#include "codec/package/collapse.h"
+#include "codec/package/frames_grid.h"
+#include "codec/package/strays.h"
 #include "common/base/median.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/spread.h"
-#include "common/base/tbb_executor.h"
 #include "common/base/try.h"
-#include "common/cloud/scalar_fields.h"
+#include "common/threads/tbb_executor.h"
 #include "pointreel/codec.h"
 
 namespace pointreel {

@@ -6,8 +6,8 @@
 #include "client/source/decode_fetched.h"
 #include "common/base/concat.h"
 #include "common/base/out_of_memory.h"
-#include "common/base/tbb_executor.h"
 #include "common/base/try.h"
+#include "common/threads/tbb_executor.h"
 
 namespace pointreel {
 

@@ -1,6 +1,6 @@
 #include "client/bindings/python/call.h"
 
-#include "common/base/print.h"
+#include "common/process/print.h"
 
 namespace py = pybind11;
 

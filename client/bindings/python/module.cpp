@@ -25,10 +25,10 @@
 #include "client/bindings/python/picture.h"
 #include "client/source/open_live_source.h"
 #include "client/source/open_source.h"
-#include "codec/sequence/package_writer.h"
+#include "codec/package/manifest.h"
+#include "codec/package/package_writer.h"
 #include "common/base/try.h"
 #include "common/net/url.h"
-#include "common/stream/manifest.h"
 #include "pointreel/version.h"
 
 namespace py = pybind11;

@@ -8,8 +8,8 @@
 #include "client/render/software/software_renderer.h"
 #include "client/scene/camera.h"
 #include "common/base/out_of_memory.h"
-#include "common/base/tbb_executor.h"
 #include "common/base/try.h"
+#include "common/threads/tbb_executor.h"
 
 namespace pointreel {
 namespace {

@@ -25,7 +25,7 @@
 #include "client/render/scene_instances.h"
 #include "client/render/scene_strips.h"
 #include "client/render/view.h"
-#include "common/base/tbb_executor.h"
+#include "common/threads/tbb_executor.h"
 
 namespace pointreel {
 

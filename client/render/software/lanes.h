@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "common/surface/lanes.h"
+#include "codec/surface/lanes.h"
 
 namespace pointreel {
 

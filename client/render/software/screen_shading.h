@@ -10,7 +10,7 @@
 #include "client/render/software/picture.h"
 #include "client/render/software/shadow_map.h"
 #include "client/render/view.h"
-#include "common/surface/lanes.h"
+#include "codec/surface/lanes.h"
 #include "pointreel/executor.h"
 
 namespace pointreel {

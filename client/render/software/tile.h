@@ -8,7 +8,7 @@
 #include <glm/glm.hpp>
 
 #include "client/render/region.h"
-#include "common/surface/lanes.h"
+#include "codec/surface/lanes.h"
 
 namespace pointreel {
 

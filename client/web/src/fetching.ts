@@ -1,4 +1,4 @@
-// Bytes over HTTP, checked: common/stream/PROTOCOL.md, "What a client does" and "Failures that may pass".
+// Bytes over HTTP, checked: common/PROTOCOL.md, "What a client does" and "Failures that may pass".
 
 /** An answer that will not become better. */
 export class FetchError extends Error {}

@@ -8,7 +8,7 @@ import { basename, extname, join, normalize } from "node:path";
 
 const TYPES = { ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".css": "text/css",
                 ".wasm": "application/wasm", ".json": "application/json", ".opus": "audio/ogg" };
-// The policy of server/serve/page.cpp, so that the tests show that the page needs no more.
+// The policy of server/service/page.cpp, so that the tests show that the page needs no more.
 const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; style-src 'self'; " +
   "img-src 'self' blob: data:; font-src 'self'; connect-src 'self'; media-src 'self' blob:; base-uri 'none'; form-action 'none'; " +
   "frame-ancestors 'self'";

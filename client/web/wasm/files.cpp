@@ -2,12 +2,12 @@
 #include <string_view>
 #include <utility>
 
-#include "codec/cloud_file.h"
 #include "codec/draco/drc_reader.h"
+#include "codec/files/cloud_file.h"
+#include "codec/files/ply.h"
 #include "common/base/try.h"
-#include "common/cloud/ply.h"
 
-// In place of codec/formats: pages are not given any other files.
+// In place of codec/files: pages are not given any other files.
 
 namespace pointreel {
 

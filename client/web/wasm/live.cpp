@@ -1,4 +1,4 @@
-#include "common/stream/live.h"
+#include "codec/live/live.h"
 
 #include <chrono>
 #include <optional>
@@ -12,7 +12,7 @@
 #include "client/web/wasm/module.h"
 #include "client/web/wasm/numbers.h"
 #include "client/web/wasm/reel.h"
-#include "common/stream/live_sound.h"
+#include "codec/live/live_sound.h"
 
 using namespace pointreel;
 

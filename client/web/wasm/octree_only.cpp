@@ -1,4 +1,4 @@
-#include "codec/cloud_file.h"
+#include "codec/files/cloud_file.h"
 #include "codec/octree/octree_codec.h"
 #include "pointreel/draco.h"
 

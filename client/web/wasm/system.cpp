@@ -2,7 +2,7 @@
 
 #include <wasi/api.h>
 
-#include "common/base/tbb_executor.h"
+#include "common/threads/tbb_executor.h"
 
 // What the C and C++ libraries and our own would otherwise ask the system for. With it the module
 // imports nothing.

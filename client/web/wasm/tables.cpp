@@ -4,8 +4,8 @@
 
 #include "client/source/fetched.h"
 #include "client/web/wasm/errors.h"
+#include "codec/core/json_fields.h"
 #include "codec/octree/context_tables.h"
-#include "common/stream/json_fields.h"
 
 using namespace pointreel;
 

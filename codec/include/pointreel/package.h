@@ -141,9 +141,6 @@ struct Manifest : ReelHead {
   std::vector<const PackageFile*> files() const;
 };
 
-/// XXH3 with 64 bits and seed 0. reel.json writes it as 16 lowercase hexadecimal digits.
-std::uint64_t checksum_of(ByteView bytes);
-
 /// The place of a frame in a manifest.
 struct FrameLocation {
   std::uint32_t segment = 0;  ///< index into Manifest::segments

@@ -13,8 +13,8 @@
 #include "client/bindings/c/pointreel.h"
 #include "client/source/decode_fetched.h"
 #include "client/source/open_source.h"
-#include "common/base/print.h"
-#include "common/base/tbb_executor.h"
+#include "common/process/print.h"
+#include "common/threads/tbb_executor.h"
 
 namespace pointreel {
 namespace {

@@ -5,8 +5,8 @@
 #include <epoxy/gl.h>
 
 #include "client/scene/cut.h"
+#include "codec/core/build.h"
 #include "common/base/try.h"
-#include "common/octree/build.h"
 #include "pointreel/octree.h"
 
 namespace pointreel::bench {

@@ -12,9 +12,9 @@
 #include <nlohmann/json.hpp>
 
 #include "client/render/opengl/gl_context.h"
-#include "common/base/print.h"
-#include "common/base/progress.h"
 #include "common/base/try.h"
+#include "common/process/print.h"
+#include "common/process/progress.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/output.h"
 #include "tests/bench/render/playback.h"

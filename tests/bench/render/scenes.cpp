@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "client/prepare/prepare.h"
+#include "codec/files/ply.h"
 #include "common/base/spread.h"
 #include "common/base/try.h"
-#include "common/cloud/ply.h"
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/samplers/ldc.h"
 #include "datasets_synthetic/samplers/uniform.h"

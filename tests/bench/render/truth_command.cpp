@@ -10,9 +10,9 @@
 #include "client/record/open_recorder.h"
 #include "client/render/supersampling.h"
 #include "client/scene/camera_path.h"
-#include "common/base/print.h"
-#include "common/base/progress.h"
 #include "common/base/try.h"
+#include "common/process/print.h"
+#include "common/process/progress.h"
 #include "datasets_synthetic/motion.h"
 #include "tests/bench/render/truth.h"
 

@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
+#include "codec/core/build.h"
+#include "codec/draco/part_sizes.h"
 #include "codec/octree/octree_codec.h"
-#include "codec/part_sizes.h"
 #include "common/base/try.h"
-#include "common/octree/build.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"

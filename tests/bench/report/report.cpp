@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "common/base/print.h"
-#include "common/base/progress.h"
 #include "common/base/try.h"
+#include "common/process/print.h"
+#include "common/process/progress.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/output.h"
 #include "tests/bench/program.h"

@@ -9,8 +9,8 @@
 
 #include "client/scene/camera.h"
 #include "client/scene/cut.h"
+#include "codec/core/build.h"
 #include "common/base/try.h"
-#include "common/octree/build.h"
 #include "pointreel/octree.h"
 #include "tests/bench/measure.h"
 #include "tests/reference/recursive_octree.h"

@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "common/base/print.h"
+#include "codec/package/manifest.h"
 #include "common/base/try.h"
-#include "common/stream/manifest.h"
+#include "common/process/print.h"
 #include "pointreel/package.h"
 #include "tests/bench/output.h"
 #include "tests/bench/scale/edges.h"

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "common/base/print.h"
+#include "common/process/print.h"
 #include "tests/bench/output.h"
 #include "tests/temporary_folder.h"
 

@@ -13,12 +13,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "codec/frame_header.h"
+#include "codec/live/live.h"
+#include "codec/octree/frame_header.h"
+#include "codec/package/manifest.h"
 #include "common/base/try.h"
 #include "common/base/unix_time.h"
 #include "common/net/websocket.h"
-#include "common/stream/live.h"
-#include "common/stream/manifest.h"
 #include "pointreel/package.h"
 #include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"

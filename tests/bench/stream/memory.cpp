@@ -13,8 +13,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "codec/files/ply.h"
 #include "common/base/try.h"
-#include "common/cloud/ply.h"
 #include "tests/bench/program.h"
 #include "tests/bench/stream/resident_memory.h"
 #include "tests/e2e/server_address.h"

@@ -9,8 +9,8 @@
 
 #include "client/prepare/prepare.h"
 #include "client/source/open_source.h"
+#include "codec/package/manifest.h"
 #include "common/base/try.h"
-#include "common/stream/manifest.h"
 #include "pointreel/package.h"
 #include "tests/bench/program.h"
 #include "tests/e2e/server_address.h"

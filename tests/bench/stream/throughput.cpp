@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 #include <sys/wait.h>
 
+#include "codec/package/manifest.h"
 #include "common/base/try.h"
-#include "common/stream/manifest.h"
 #include "pointreel/package.h"
 #include "tests/bench/program.h"
 #include "tests/e2e/server_address.h"

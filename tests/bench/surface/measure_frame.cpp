@@ -11,8 +11,8 @@
 #include <tbb/parallel_for.h>
 
 #include "client/prepare/prepare.h"
-#include "codec/part_sizes.h"
-#include "codec/sequence/grid.h"
+#include "codec/draco/part_sizes.h"
+#include "codec/package/grid.h"
 #include "common/base/try.h"
 #include "datasets_synthetic/closest_point.h"
 #include "tests/bench/measure.h"

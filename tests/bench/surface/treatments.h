@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/surface/clean.h"
+#include "codec/surface/clean.h"
 #include "datasets_synthetic/body.h"
 #include "pointreel/cloud.h"
 

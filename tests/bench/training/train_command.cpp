@@ -9,8 +9,8 @@
 #include <zstd.h>
 
 #include "codec/training/context_trainer.h"
-#include "common/base/print.h"
 #include "common/command_line/command.h"
+#include "common/process/print.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/training/training_clouds.h"
 

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "codec/core/build.h"
+#include "codec/surface/clean.h"
 #include "common/base/try.h"
-#include "common/octree/build.h"
-#include "common/surface/clean.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/sequences.h"

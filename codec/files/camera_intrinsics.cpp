@@ -1,0 +1,112 @@
+#include "codec/files/camera_intrinsics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "codec/core/json_fields.h"
+#include "common/base/try.h"
+
+namespace pointreel {
+namespace {
+
+constexpr double kLeastFocalLength = 0.1, kMostPixels = 1e6;
+
+/// Nine numbers, also as three rows of three.
+std::optional<std::array<double, 9>> matrix_of(const JsonValue& value) {
+  std::vector<double> numbers;
+  const auto take = [&](const JsonValue& item) {
+    const std::optional<double> number = item.number();
+    if (number && numbers.size() < 10) numbers.push_back(*number);
+    return number.has_value();
+  };
+  for (JsonItems row(value); row.next();) {
+    if (!row.value().is_array()) {
+      if (!take(row.value())) return std::nullopt;
+      continue;
+    }
+    for (JsonItems item(row.value()); item.next();)
+      if (!take(item.value())) return std::nullopt;
+  }
+  if (!value.is_array() || numbers.size() != 9) return std::nullopt;
+  std::array<double, 9> matrix{};
+  std::copy(numbers.begin(), numbers.end(), matrix.begin());
+  return matrix;
+}
+
+void take_matrix(Fields& fields, CameraIntrinsics& camera) {
+  constexpr const char* kName = "intrinsic_matrix";
+  const std::optional<std::array<double, 9>> found = matrix_of(*fields.value(kName));
+  if (!found) return fields.refuse(kName, "is not a matrix of nine numbers");
+  std::array<double, 9> m = *found;
+  // By columns the zeros below the diagonal come first, and by rows last.
+  if (m[6] == 0.0 && m[7] == 0.0 && (m[2] != 0.0 || m[5] != 0.0)) {
+    std::swap(m[2], m[6]);
+    std::swap(m[5], m[7]);
+    std::swap(m[1], m[3]);
+  }
+  if (m[1] != 0.0 || m[2] != 0.0 || m[3] != 0.0 || m[5] != 0.0 || m[8] != 1.0)
+    return fields.refuse(kName, "is not [fx, 0, 0, 0, fy, 0, cx, cy, 1]");
+  camera.fx = m[0];
+  camera.fy = m[4];
+  camera.cx = m[6];
+  camera.cy = m[7];
+}
+
+bool has_distortion(Fields& fields) {
+  for (const char* key : {"k1", "k2", "k3", "p1", "p2"})
+    if (fields.has(key) && fields.value(key)->number().value_or(0.0) != 0.0) return true;
+  for (const char* key : {"coeffs", "dist_coeffs", "distortion", "distortion_coefficients"}) {
+    if (!fields.has(key)) continue;
+    for (JsonItems item(*fields.value(key)); item.next();)
+      if (item.value().number().value_or(0.0) != 0.0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Result<CameraIntrinsics> parse_camera_intrinsics(std::string_view json) {
+  const JsonValue root = TRY(parse_json(json));
+  if (!root.is_object()) return fail("is not an object of JSON");
+  Fields fields(root);
+  CameraIntrinsics camera;
+  if (fields.has("intrinsic_matrix")) {
+    take_matrix(fields, camera);
+  } else if (fields.has("fx")) {
+    camera.fx = fields.number("fx");
+    camera.fy = fields.number("fy");
+    camera.cx = fields.number(fields.has("ppx") ? "ppx" : "cx");
+    camera.cy = fields.number(fields.has("ppy") ? "ppy" : "cy");
+  } else {
+    TRY(fields.check());
+    return fail("has neither intrinsic_matrix nor fx, fy, cx and cy");
+  }
+  // False for NaN, too.
+  const auto check = [&](const char* name, bool good) {
+    if (!good) fields.refuse(name, "is no number of pixels that a camera can have");
+  };
+  check("fx", camera.fx >= kLeastFocalLength && camera.fx <= kMostPixels);
+  check("fy", camera.fy >= kLeastFocalLength && camera.fy <= kMostPixels);
+  check("cx", std::abs(camera.cx) <= kMostPixels);
+  check("cy", std::abs(camera.cy) <= kMostPixels);
+  if (fields.has("width") || fields.has("height")) {
+    camera.width = static_cast<std::uint32_t>(fields.integer("width", 1u << 20));
+    camera.height = static_cast<std::uint32_t>(fields.integer("height", 1u << 20));
+    if (camera.width == 0 || camera.height == 0) fields.refuse("width", "or height is 0");
+  }
+  if (fields.has("depth_scale")) {
+    const double scale = fields.number("depth_scale");
+    camera.steps_per_meter = scale < 1.0 ? 1.0 / scale : scale;
+    if (!(camera.steps_per_meter >= 1.0 && camera.steps_per_meter <= 1e6))
+      fields.refuse("depth_scale", "is not from 0.000001 to 1000000");
+  }
+  camera.distorts = has_distortion(fields);
+  TRY(fields.check());
+  return camera;
+}
+
+}  // namespace pointreel

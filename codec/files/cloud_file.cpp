@@ -1,0 +1,422 @@
+#include "codec/files/cloud_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "codec/files/byte_source.h"
+#include "codec/files/depth_folder.h"
+#include "codec/files/depth_video.h"
+#include "codec/files/file_numbers.h"
+#include "codec/files/format_table.h"
+#include "codec/files/gltf_buffers.h"
+#include "codec/files/guess_reading.h"
+#include "codec/files/mcap.h"
+#include "common/base/natural_order.h"
+#include "common/base/out_of_memory.h"
+#include "common/base/try.h"
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
+
+/// Keeps only the files of the commonest format: a file of another one is a model or a copy, not a
+/// frame. A recording is more than any number of files of one cloud. Fails if two formats have
+/// equally many files.
+Result<void> keep_commonest_format(const fs::path& folder, std::vector<fs::path>& files,
+                                   std::vector<std::string>* warnings) {
+  std::map<CloudFormat, std::vector<fs::path>> by_format;
+  for (const fs::path& file : files)
+    by_format[format_of({}, file.filename().string())].push_back(file);
+  if (by_format.size() < 2) return {};
+  const auto weight = [](const auto& kind) {
+    return std::pair(kind.first == CloudFormat::mcap, kind.second.size());
+  };
+  const auto most =
+      std::max_element(by_format.begin(), by_format.end(),
+                       [&](const auto& a, const auto& b) { return weight(a) < weight(b); });
+  const std::string kept = most->second.front().filename().string();
+  for (const auto& other : by_format) {
+    if (&other == &*most) continue;
+    const std::string first = other.second.front().filename().string();
+    if (weight(other) == weight(*most)) {
+      return fail(
+          ErrorCode::argument,
+          fmt::format("{0}: has as many files like {1} as like {2}; name those that are the "
+                      "frames, such as {0}/*{3}",
+                      folder.string(), kept, first, most->second.front().extension().string()));
+    }
+    if (warnings == nullptr) continue;
+    const std::size_t count = other.second.size();
+    warnings->push_back(
+        count == 1 ? fmt::format("{}: is left out, because the frames here are files such as {}",
+                                 other.second.front().string(), kept)
+                   : fmt::format("{}: {} files such as {} are left out, because the frames here "
+                                 "are files such as {}",
+                                 folder.string(), count, first, kept));
+  }
+  files = std::move(most->second);
+  return {};
+}
+
+Result<std::vector<fs::path>> list_folder(const fs::path& folder,
+                                          std::vector<std::string>* warnings) {
+  std::error_code code;
+  std::vector<fs::path> files, perhaps;
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+    const fs::path& path = it->path();
+    const Likely likely = is_cloud_name(path.filename().string());
+    std::error_code ignored;
+    if (hidden(path) || likely == Likely::no) continue;
+    if (fs::is_regular_file(path, ignored)) {
+      (likely == Likely::yes ? files : perhaps).push_back(path);
+    } else if (likely == Likely::yes && warnings != nullptr) {
+      warnings->push_back(path.string() + ": is left out, because it is not a regular file");
+    }
+  }
+  if (code) {
+    return fail(ErrorCode::io,
+                fmt::format("{}: cannot be listed: {}", folder.string(), code.message()));
+  }
+  if (files.empty() && is_depth_folder(folder)) return std::vector<fs::path>{folder};
+  if (files.empty()) files = std::move(perhaps);
+  if (files.empty()) {
+    return fail(ErrorCode::not_found,
+                fmt::format("{}: has no point cloud files: {}", folder.string(), known_formats()));
+  }
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+  TRY(keep_commonest_format(folder, files, warnings));
+  return files;
+}
+
+/// The longest sequence whose times are believed, in microseconds: a month.
+constexpr std::uint64_t kLongest = 31ull * 24 * 3600 * 1'000'000;
+
+/// What suffices to recognise a format.
+constexpr std::size_t kBegin = 256;
+
+Result<LoadedCloud> read_source(const ByteSource& source, CloudFormat format,
+                                const DecodeLimits& limits, const Reading& reading) {
+  return or_out_of_memory([&]() -> Result<LoadedCloud> {
+    ReadNotes notes;
+    PointCloud cloud = TRY(read_points(source, format, limits, reading, notes));
+    const double full_color = notes.full_color;
+    LoadedCloud loaded = usable_cloud(std::move(cloud), format, std::move(notes));
+    loaded.full_color = full_color;
+    return loaded;
+  });
+}
+
+Result<CloudFormat> format_of_file(const ByteSource& source, const fs::path& path) {
+  Bytes room;
+  return format_of(TRY(source.view(0, kBegin, room)), path.filename().string());
+}
+
+Result<void> guess(CloudSequence& sequence, const Reading& asked) {
+  return or_out_of_memory([&]() -> Result<void> {
+    guess_reading(sequence, asked);
+    return {};
+  });
+}
+
+/// The file with its buffers in it, where it is a .gltf file with buffers in other files.
+Result<std::optional<Bytes>> embedded(const ByteSource& source, CloudFormat format,
+                                      const fs::path& path, std::uint64_t max_bytes) {
+  if (format != CloudFormat::gltf) return std::optional<Bytes>();
+  return or_out_of_memory([&]() -> Result<std::optional<Bytes>> {
+    Bytes room;
+    return embed_gltf_buffers(TRY(source.all(room)), path.parent_path(), max_bytes);
+  });
+}
+
+Result<LoadedCloud> read_file(const fs::path& path, const DecodeLimits& limits,
+                              const Reading& reading) {
+  const ByteSource source = TRY(at_place(path.string(), ByteSource::open_named(path)));
+  const CloudFormat format = TRY(at_place(path.string(), format_of_file(source, path)));
+  const auto whole =
+      TRY(at_place(path.string(), embedded(source, format, path, limits.max_memory)));
+  if (whole) return at_place(path.string(), read_cloud(*whole, format, limits));
+  return at_place(path.string(), read_source(source, format, limits, reading));
+}
+
+}  // namespace
+
+Result<LoadedCloud> read_cloud(ByteView bytes, CloudFormat format, const DecodeLimits& limits,
+                               const Reading& reading) {
+  return read_source(ByteSource(bytes), format, limits, reading);
+}
+
+Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits, const Reading& reading) {
+  return read_cloud(bytes, format_of(bytes, {}), limits, reading);
+}
+
+Result<LoadedCloud> read_cloud_file(const fs::path& path, const DecodeLimits& limits) {
+  CloudSequence alone;
+  alone.frames.push_back({path});
+  TRY(guess(alone, {}));
+  return read_cloud_frame(alone.frames.front(), limits);
+}
+
+Result<LoadedCloud> read_next_cloud_file(const fs::path& path, Reading& reading,
+                                         const DecodeLimits& limits) {
+  CloudSequence alone;
+  alone.frames.push_back({path});
+  TRY(guess(alone, reading));
+  LoadedCloud loaded = TRY(read_cloud_frame(alone.frames.front(), limits));
+  reading = std::move(alone.reading);
+  return loaded;
+}
+
+bool is_cloud_file(const fs::path& path) {
+  return is_cloud_name(path.filename().string()) != Likely::no;
+}
+
+bool has_cloud_files(const fs::path& folder) {
+  std::error_code error;
+  const fs::directory_iterator entries(folder, error);
+  if (error) return false;
+  return std::any_of(begin(entries), end(entries),
+                     [](const auto& entry) { return is_cloud_file(entry.path()); }) ||
+         is_depth_folder(folder);
+}
+
+std::string CloudFrame::name() const {
+  return recording == nullptr ? file.string()
+                              : fmt::format("{}: {}", file.string(), recording->name(index));
+}
+
+std::uint64_t CloudSequence::end_us() const {
+  return times_us.back() + static_cast<std::uint64_t>(1e6 / fps);
+}
+
+std::optional<std::uint64_t> CloudSequence::captured_us() const {
+  // Before 2001 there were no such recordings; after 2100 it is the clock that errs.
+  constexpr std::uint64_t kEarliest = 1'000'000'000'000'000, kLatest = 4'102'444'800'000'000;
+  const std::optional<std::uint64_t> first = frames.front().time_us;
+  return first && *first >= kEarliest && *first < kLatest ? first : std::nullopt;
+}
+
+void CloudSequence::find_times() {
+  const auto show_evenly = [this](const std::string& why) {
+    warnings.push_back(why + ": the frames are shown evenly (--fps says how many a second)");
+  };
+  if (frames.size() < 2 || !std::ranges::all_of(frames, [](const CloudFrame& frame) {
+        return frame.time_us.has_value();
+      }))
+    return;
+  std::vector<std::uint64_t> times;
+  const std::uint64_t begin = *frames.front().time_us;
+  for (const CloudFrame& frame : frames) {
+    const std::uint64_t time = *frame.time_us;
+    if (time < begin + (times.empty() ? 0 : times.back()))
+      return show_evenly(frame.name() + ": its time is before that of the frame before");
+    if (time - begin > kLongest)
+      return show_evenly(frame.name() + ": its time is more than 31 days after the first");
+    times.push_back(time - begin);
+  }
+  std::vector<std::uint64_t> spacings;
+  for (std::size_t i = 1; i < times.size(); ++i) spacings.push_back(times[i] - times[i - 1]);
+  const auto middle = spacings.begin() + std::ssize(spacings) / 2;
+  std::nth_element(spacings.begin(), middle, spacings.end());
+  if (*middle == 0) return show_evenly("most frames have the time of the frame before");
+  times_us = std::move(times);
+  fps = 1e6 / static_cast<double>(*middle);
+}
+
+namespace {
+
+/// The end of the warning about missing frames.
+constexpr std::string_view kGapsAreClosed =
+    "; the others are shown one after another (pack --keep-gaps keeps their time)";
+
+}  // namespace
+
+void CloudSequence::keep_gaps(double frames_per_second) {
+  if (places.empty()) return;
+  for (std::string& line : warnings) {
+    if (line.ends_with(kGapsAreClosed)) line.erase(line.size() - kGapsAreClosed.size());
+  }
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].time_us = static_cast<std::uint64_t>(
+        std::llround(1e6 * static_cast<double>(places[i]) / frames_per_second));
+  }
+  find_times();
+}
+
+namespace {
+
+/// Looks for missing frames.
+void check_numbers(CloudSequence& sequence) {
+  std::vector<std::string> names;
+  const fs::path folder = sequence.frames.front().file.parent_path();
+  for (const CloudFrame& frame : sequence.frames) {
+    if (frame.recording != nullptr || frame.file.parent_path() != folder) return;
+    names.push_back(frame.file.filename().string());
+  }
+  const std::string missing = missing_numbers(names);
+  if (missing.empty()) return;
+  sequence.places = places_by_number(names);
+  const std::uint64_t count = sequence.places.back() + 1 - names.size();
+  sequence.warnings.push_back(
+      fmt::format("{}: {} missing by {}: {}{}", folder.empty() ? "." : folder.string(),
+                  count == 1 ? "a frame is" : fmt::format("{} frames are", count),
+                  count == 1 ? "its number" : "their numbers", missing, kGapsAreClosed));
+}
+
+void add_recording(CloudSequence& sequence, const fs::path& file,
+                   const std::shared_ptr<const Recording>& recording) {
+  for (std::uint32_t i = 0; i < recording->size(); ++i) {
+    CloudFrame frame{file, recording, i};
+    if (const auto time_ns = recording->time_ns(i)) frame.time_us = *time_ns / 1000;
+    sequence.frames.push_back(std::move(frame));
+  }
+  const RecordingLoss loss = recording->loss();
+  for (const std::string& line : loss.warnings)
+    sequence.warnings.push_back(fmt::format("{}: {}", file.string(), line));
+  sequence.lost_parts += loss.parts;
+}
+
+/// A cloud that came through a pipe, which can be read only once.
+class PipedCloud : public Recording {
+ public:
+  static Result<std::shared_ptr<const Recording>> read_all(const fs::path& path) {
+    ByteSource source = TRY(ByteSource::open_named(path));
+    const CloudFormat format = TRY(format_of_file(source, path));
+    return std::make_shared<PipedCloud>(std::move(source), format);
+  }
+  PipedCloud(ByteSource source, CloudFormat format) : source_(std::move(source)), format_(format) {}
+
+  CloudFormat format() const override { return format_; }
+  std::size_t size() const override { return 1; }
+  std::optional<std::uint64_t> time_ns(std::size_t) const override { return std::nullopt; }
+  std::string name(std::size_t) const override { return "what came through the pipe"; }
+  Result<Bytes> read(std::size_t) const override {
+    return or_out_of_memory([&]() -> Result<Bytes> {
+      Bytes room;
+      const ByteView bytes = TRY(source_.all(room));
+      return Bytes(bytes.begin(), bytes.end());
+    });
+  }
+
+ private:
+  const ByteSource source_;
+  const CloudFormat format_;
+};
+
+/// Null for a file of one cloud.
+Result<std::shared_ptr<const Recording>> open_recording(const fs::path& path,
+                                                        const std::string& topic,
+                                                        std::uint64_t max_memory,
+                                                        bool best_effort) {
+  std::error_code ignored;
+  const fs::file_status kind = fs::status(path, ignored);
+  if (fs::is_directory(kind)) return open_depth_folder(path);
+  const std::string name = path.string();
+  const CloudFormat format = format_of({}, path.filename().string());
+  if (format == CloudFormat::depth_video) return at_place(name, open_depth_video(path, max_memory));
+  if (format != CloudFormat::mcap) {
+    if (fs::is_fifo(kind) || fs::is_socket(kind)) return at_place(name, PipedCloud::read_all(path));
+    return nullptr;
+  }
+  ByteSource source = TRY(at_place(name, ByteSource::open_named(path)));
+  return TRY(
+      at_place(name, McapRecording::open(std::move(source), topic, max_memory, best_effort)));
+}
+
+}  // namespace
+
+Result<CloudSequence> list_cloud_frames(const std::vector<fs::path>& inputs,
+                                        const std::string& topic, std::uint64_t max_memory,
+                                        bool best_effort, const Reading& asked) {
+  CloudSequence sequence;
+  for (const fs::path& file : TRY(list_cloud_files(inputs, &sequence.warnings))) {
+    if (const auto recording = TRY(open_recording(file, topic, max_memory, best_effort))) {
+      add_recording(sequence, file, recording);
+    } else {
+      sequence.frames.push_back({file});
+    }
+  }
+  check_numbers(sequence);
+  sequence.find_times();
+  TRY(guess(sequence, asked));
+  return sequence;
+}
+
+Result<LoadedCloud> read_cloud_frame(const CloudFrame& frame, const DecodeLimits& limits) {
+  const Reading reading = frame.reading == nullptr ? Reading() : *frame.reading;
+  if (frame.recording == nullptr) return read_file(frame.file, limits, reading);
+  const std::string name = frame.name();
+  const Bytes bytes = TRY(at_place(name, frame.recording->read(frame.index)));
+  return at_place(name, read_cloud(bytes, frame.recording->format(), limits, reading));
+}
+
+Result<CloudBytes> fetch_cloud_frame(const CloudFrame& frame, std::uint64_t max_bytes) {
+  const std::string name = frame.file.string();
+  CloudBytes fetched;
+  if (frame.recording != nullptr) {
+    fetched.bytes = TRY(at_place(frame.name(), frame.recording->read(frame.index)));
+    fetched.format = frame.recording->format();
+    return fetched;
+  }
+  const ByteSource source = TRY(at_place(name, ByteSource::open_named(frame.file)));
+  fetched.format = TRY(at_place(name, format_of_file(source, frame.file)));
+  if (source.size() > max_bytes) {
+    return fail(ErrorCode::limit,
+                fmt::format("{}: has {} bytes, more than {}", name, source.size(), max_bytes));
+  }
+  if (auto whole = TRY(at_place(name, embedded(source, fetched.format, frame.file, max_bytes)))) {
+    fetched.bytes = std::move(*whole);
+    return fetched;
+  }
+  const ByteView bytes = TRY(at_place(name, source.all(fetched.bytes)));
+  if (bytes.data() != fetched.bytes.data()) fetched.bytes.assign(bytes.begin(), bytes.end());
+  if (fetched.bytes.size() != source.size() || bytes.size() != source.size())
+    return fail(ErrorCode::io, name + ": has become shorter while it was read");
+  return fetched;
+}
+
+std::optional<char> up_of_file(const fs::path& path) {
+  const auto source = ByteSource::open(path);
+  if (!source) return std::nullopt;
+  const auto format = format_of_file(*source, path);
+  return format ? up_of(*format) : std::nullopt;
+}
+
+std::optional<char> up_of_frame(const CloudFrame& frame) {
+  return frame.recording == nullptr ? up_of_file(frame.file) : up_of(frame.recording->format());
+}
+
+Result<std::vector<fs::path>> list_cloud_files(const std::vector<fs::path>& inputs,
+                                               std::vector<std::string>* warnings) {
+  std::vector<fs::path> files;
+  for (const fs::path& input : inputs) {
+    std::error_code code;
+    const fs::file_status status = fs::status(input, code);
+    if (!fs::exists(status)) {
+      return fail(ErrorCode::not_found, fmt::format("{}: no such file or folder", input.string()));
+    }
+    if (!fs::is_directory(status)) {
+      files.push_back(input);
+      continue;
+    }
+    const std::vector<fs::path> listed = TRY(list_folder(input, warnings));
+    files.insert(files.end(), listed.begin(), listed.end());
+  }
+  if (files.empty()) {
+    return fail(ErrorCode::argument, "no input: name a folder or files of points");
+  }
+  return files;
+}
+
+}  // namespace pointreel

@@ -1,0 +1,212 @@
+#include "codec/files/depth_folder.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "codec/files/byte_source.h"
+#include "codec/files/depth_capture.h"
+#include "codec/files/depth_frame.h"
+#include "common/base/concat.h"
+#include "common/base/natural_order.h"
+#include "common/base/try.h"
+
+namespace pointreel {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kDepth = "depth";
+constexpr std::uint64_t kSecond = 1'000'000'000;  // nanoseconds
+constexpr std::uint64_t kMostApart = kSecond;
+/// Of a file. A picture of 67 million pixels that are not compressed takes less.
+constexpr std::uint64_t kMaxPicture = std::uint64_t{1} << 29;
+
+/// In nanoseconds.
+std::optional<std::uint64_t> time_in(std::string_view name) {
+  const auto number_of = [](std::string_view digits) -> std::optional<std::uint64_t> {
+    std::uint64_t number = 0;
+    const char* const end = digits.data() + digits.size();
+    const auto read = std::from_chars(digits.data(), end, number);
+    if (digits.empty() || read.ec != std::errc() || read.ptr != end) return std::nullopt;
+    return number;
+  };
+  const std::size_t point = name.find('.');
+  if (point != name.npos) {
+    constexpr std::uint64_t kMostSeconds = 9'000'000'000;
+    const auto seconds = number_of(name.substr(0, point));
+    std::string fraction(name.substr(point + 1));
+    if (!seconds || *seconds > kMostSeconds || fraction.empty() || fraction.size() > 9)
+      return std::nullopt;
+    fraction.resize(9, '0');
+    const auto nanoseconds = number_of(fraction);
+    if (!nanoseconds) return std::nullopt;
+    return *seconds * kSecond + *nanoseconds;
+  }
+  const auto number = number_of(name);
+  if (!number) return std::nullopt;
+  if (name.size() == 13) return *number * 1'000'000;
+  if (name.size() == 16) return *number * 1'000;
+  if (name.size() == 19) return *number;
+  return std::nullopt;
+}
+
+struct Pictures {
+  std::vector<fs::path> files;       ///< in order
+  std::vector<std::uint64_t> times;  ///< of all files, in nanoseconds, or empty
+};
+
+bool is_picture(const fs::path& file, bool of_depth) {
+  std::string ending = file.extension().string();
+  for (char& c : ending)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  if (file.filename().string().starts_with('.')) return false;
+  return ending == ".png" || (!of_depth && (ending == ".jpg" || ending == ".jpeg"));
+}
+
+Result<Pictures> list_pictures(const fs::path& folder, bool of_depth) {
+  std::error_code code;
+  std::vector<std::pair<fs::path, std::optional<std::uint64_t>>> found;
+  bool timed = true;
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+    std::error_code ignored;  // a dangling link is no picture
+    if (!is_picture(it->path(), of_depth) || !fs::is_regular_file(it->path(), ignored)) continue;
+    found.emplace_back(it->path(), time_in(it->path().stem().string()));
+    timed &= found.back().second.has_value();
+  }
+  if (code)
+    return fail(ErrorCode::io, concat(folder.string(), ": cannot be listed: ", code.message()));
+  std::sort(found.begin(), found.end(), [&](const auto& a, const auto& b) {
+    if (timed && a.second != b.second) return *a.second < *b.second;
+    return natural_less(a.first.filename().string(), b.first.filename().string());
+  });
+  Pictures pictures;
+  for (auto& [file, time] : found) {
+    pictures.files.push_back(std::move(file));
+    if (timed) pictures.times.push_back(*time);
+  }
+  return pictures;
+}
+
+/// The folder of colours; empty if there is none.
+fs::path color_folder(const fs::path& folder) {
+  std::error_code ignored;
+  for (const char* name : {"color", "rgb", "image"})
+    if (fs::is_directory(folder / name, ignored)) return folder / name;
+  return {};
+}
+
+/// For each picture of depth, the number of the one of colours.
+Result<std::vector<std::size_t>> match(const Pictures& depth, const Pictures& color,
+                                       const fs::path& folder) {
+  std::vector<std::size_t> matches;
+  if (!depth.times.empty() && !color.times.empty()) {
+    matches = nearest_in_time(depth.times, color.times);
+    for (std::size_t i = 0; i < matches.size(); ++i) {
+      const std::uint64_t a = depth.times[i], b = color.times[matches[i]];
+      if (std::max(a, b) - std::min(a, b) > kMostApart) {
+        return fail(concat(folder.string(), ": has no picture within a second of depth/",
+                           depth.files[i].filename().string(), ", by the times in the names"));
+      }
+    }
+    return matches;
+  }
+  std::map<std::string, std::size_t> by_name;
+  for (std::size_t i = 0; i < color.files.size(); ++i)
+    by_name.emplace(color.files[i].stem().string(), i);
+  for (const fs::path& file : depth.files) {
+    const auto found = by_name.find(file.stem().string());
+    if (found != by_name.end()) matches.push_back(found->second);
+  }
+  if (matches.size() == depth.files.size()) return matches;
+  if (color.files.size() != depth.files.size()) {
+    return fail(concat(folder.string(), ": has ", color.files.size(), " pictures for ",
+                       depth.files.size(),
+                       " of depth, and neither names nor times in them tell "
+                       "which belong together"));
+  }
+  matches.resize(depth.files.size());
+  std::iota(matches.begin(), matches.end(), std::size_t{0});
+  return matches;
+}
+
+Result<Bytes> read_picture(const fs::path& file) {
+  const ByteSource source = TRY(ByteSource::open(file));
+  if (source.size() > kMaxPicture) {
+    return fail(ErrorCode::limit, concat("has ", source.size(), " bytes, more than ", kMaxPicture));
+  }
+  Bytes room;
+  const ByteView bytes = TRY(source.all(room));
+  if (bytes.data() != room.data()) return Bytes(bytes.begin(), bytes.end());
+  room.resize(bytes.size());
+  return room;
+}
+
+class DepthFolder : public Recording {
+ public:
+  DepthFolder(std::string intrinsics, Pictures depth, std::vector<fs::path> colors)
+      : intrinsics_(std::move(intrinsics)), depth_(std::move(depth)), colors_(std::move(colors)) {}
+
+  CloudFormat format() const override { return CloudFormat::depth_frame; }
+  std::size_t size() const override { return depth_.files.size(); }
+  std::optional<std::uint64_t> time_ns(std::size_t frame) const override {
+    if (depth_.times.empty()) return std::nullopt;
+    return depth_.times[frame];
+  }
+  std::string name(std::size_t frame) const override {
+    return concat("depth/", depth_.files[frame].filename().string());
+  }
+  Result<Bytes> read(std::size_t frame) const override {
+    const Bytes depth = TRY(read_picture(depth_.files[frame]));
+    Bytes color;
+    if (!colors_.empty())
+      color = TRY(at_place(colors_[frame].filename().string(), read_picture(colors_[frame])));
+    return depth_frame(intrinsics_, depth, color);
+  }
+
+ private:
+  const std::string intrinsics_;
+  const Pictures depth_;
+  const std::vector<fs::path> colors_;  ///< of each frame, or empty
+};
+
+}  // namespace
+
+bool is_depth_folder(const fs::path& folder) {
+  std::error_code code;
+  for (fs::directory_iterator it(folder / kDepth, code), end; !code && it != end;
+       it.increment(code))
+    if (is_picture(it->path(), true)) return true;
+  return false;
+}
+
+std::vector<fs::path> picture_folders(const fs::path& folder) {
+  std::vector<fs::path> folders = {folder / kDepth};
+  if (const fs::path colors = color_folder(folder); !colors.empty()) folders.push_back(colors);
+  return folders;
+}
+
+Result<std::shared_ptr<const Recording>> open_depth_folder(const fs::path& folder) {
+  Pictures depth = TRY(list_pictures(folder / kDepth, true));
+  if (depth.files.empty())
+    return fail(ErrorCode::not_found, concat((folder / kDepth).string(), ": has no PNG files"));
+  std::string intrinsics = TRY(find_intrinsics(intrinsics_in(folder)));
+  std::vector<fs::path> colors;
+  if (const fs::path from = color_folder(folder); !from.empty()) {
+    const Pictures color = TRY(list_pictures(from, false));
+    if (!color.files.empty()) {
+      for (const std::size_t i : TRY(match(depth, color, from))) colors.push_back(color.files[i]);
+    }
+  }
+  return std::make_shared<const DepthFolder>(std::move(intrinsics), std::move(depth),
+                                             std::move(colors));
+}
+
+}  // namespace pointreel

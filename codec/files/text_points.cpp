@@ -1,0 +1,352 @@
+#include "codec/files/text_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "codec/files/column_guess.h"
+#include "codec/files/named_fields.h"
+#include "codec/files/ply_header.h"
+#include "codec/files/sample.h"
+#include "codec/files/words.h"
+#include "common/base/concat.h"
+#include "common/base/parse_number.h"
+#include "common/base/try.h"
+
+namespace pointreel {
+namespace {
+
+/// More columns than any real file has. They bound the memory that a line takes.
+constexpr std::size_t kMaxColumns = 256;
+enum class Separator : std::uint8_t { blank, comma, semicolon };
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+/// Words of a line. Between commas and semicolons they may be empty, and in quotes.
+class Cells {
+ public:
+  Cells(std::string_view line, Separator separator) : rest_(line), separator_(separator) {
+    if (separator == Separator::blank) rest_ = trimmed(rest_);
+    over_ = rest_.empty();
+  }
+
+  bool next(std::string_view& word) {
+    if (over_) return false;
+    if (separator_ == Separator::blank) {
+      word = take_word(rest_);
+      over_ = rest_.empty();
+      return true;
+    }
+    const std::size_t end = rest_.find(separator_ == Separator::comma ? ',' : ';');
+    word = trimmed(rest_.substr(0, end));
+    if (word.size() >= 2 && word.front() == '"' && word.back() == '"')
+      word = word.substr(1, word.size() - 2);
+    over_ = end == std::string_view::npos;
+    if (!over_) rest_.remove_prefix(end + 1);
+    // A separator at the end of the line is no empty word.
+    if (!over_ && trimmed(rest_).empty()) over_ = true;
+    return true;
+  }
+
+ private:
+  std::string_view rest_;
+  const Separator separator_;
+  bool over_;
+};
+
+std::vector<std::string_view> cells_of(std::string_view line, Separator separator) {
+  std::vector<std::string_view> words;
+  Cells cells(line, separator);
+  for (std::string_view word; words.size() < kMaxColumns && cells.next(word);)
+    words.push_back(word);
+  return words;
+}
+
+/// Where commas do not separate, one may be the decimal point.
+bool parse_cell(std::string_view word, Separator separator, double& value) {
+  if (parse_number(word, value)) return true;
+  if (separator == Separator::comma || word.size() > 64) return false;
+  std::string decimal(word);
+  std::replace(decimal.begin(), decimal.end(), ',', '.');
+  return parse_number(decimal, value);
+}
+
+/// Whether words between blanks are numbers, and commas in them decimal points: no comma stands
+/// beside a blank.
+bool has_decimal_commas(std::string_view line) {
+  std::size_t words = 0;
+  for (std::string_view word = take_word(line); !word.empty(); word = take_word(line), ++words) {
+    double value = 0.0;
+    if (word.front() == ',' || word.back() == ',' || !parse_cell(word, Separator::blank, value))
+      return false;
+  }
+  return words >= 3;
+}
+
+Separator separator_of(std::string_view line) {
+  if (line.find(';') != std::string_view::npos) return Separator::semicolon;
+  if (line.find(',') == std::string_view::npos) return Separator::blank;
+  return has_decimal_commas(line) ? Separator::blank : Separator::comma;
+}
+
+/// The line without the marks that make it a comment; nothing if it is none.
+std::optional<std::string_view> comment_of(std::string_view line) {
+  const std::string_view text = trimmed(line);
+  for (const std::string_view mark : {"#", "//", "%"}) {
+    if (!text.starts_with(mark)) continue;
+    return trimmed(text.substr(std::min(text.find_first_not_of("#/% "), text.size())));
+  }
+  return std::nullopt;
+}
+
+/// What stands before the first point.
+struct Head {
+  std::vector<std::string> names;  ///< of the columns; empty if they have none
+  Separator separator = Separator::blank;
+  std::size_t columns = 0;             ///< of the first point; 0 without points
+  std::optional<std::uint64_t> count;  ///< what the first line says, as in .pts files
+};
+
+/// Whether words are names of columns: they have x, y and z among them.
+bool are_names(const std::vector<std::string_view>& words) {
+  const auto has = [&](char letter) {
+    return std::any_of(words.begin(), words.end(), [&](std::string_view word) {
+      return word.size() == 1 && (word[0] | 32) == letter;
+    });
+  };
+  return has('x') && has('y') && has('z');
+}
+
+std::vector<std::string> to_strings(const std::vector<std::string_view>& words) {
+  std::vector<std::string> names;
+  for (const std::string_view word : words) names.emplace_back(word);
+  return names;
+}
+
+std::uint64_t to_count(double value) {
+  return value >= 0.0 && value < 1e15 ? static_cast<std::uint64_t>(value) : 0;
+}
+
+/// Reads up to the first point, whose line is left in `lines`.
+Result<Head> read_head(Lines& lines) {
+  Head head;
+  std::string_view line;
+  for (Lines ahead = lines; ahead.next(line); lines = ahead) {
+    if (trimmed(line).empty()) continue;
+    if (const auto comment = comment_of(line)) {
+      const auto words = cells_of(*comment, separator_of(*comment));
+      if (are_names(words)) head.names = to_strings(words);
+      continue;
+    }
+    head.separator = separator_of(line);
+    const auto words = cells_of(line, head.separator);
+    double value = 0.0;
+    if (!words.empty() && parse_cell(words[0], head.separator, value)) {
+      if (words.size() == 1) {
+        head.count = head.count.value_or(0) + to_count(value);
+        continue;
+      }
+      head.columns = words.size();
+      if (!head.names.empty() && head.names.size() < head.columns) head.names.clear();
+      return head;
+    }
+    if (!head.names.empty() && words.size() >= head.names.size()) {
+      head.columns = words.size();  // the first column has words that nobody reads
+      return head;
+    }
+    if (!are_names(words)) {
+      return fail(concat("line ", ahead.number(), ": '", printable(trimmed(line)),
+                         "' is neither a point nor names of columns with x, y and z among them"));
+    }
+    head.names = to_strings(words);
+  }
+  return head;
+}
+
+std::string_view without_mark(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text;
+}
+
+/// Looks at the points of a text that have as many columns as its first.
+void look(const Head& head, Lines lines, ColumnGuess& guess) {
+  std::vector<double> row(std::min(head.columns, ColumnGuess::kMost));
+  for (std::string_view line; lines.next(line);) {
+    if (comment_of(line)) continue;
+    Cells cells(line, head.separator);
+    std::size_t column = 0;
+    std::string_view word;
+    for (; column < row.size() && cells.next(word); ++column) {
+      if (!parse_cell(word, head.separator, row[column]))
+        row[column] = std::numeric_limits<double>::quiet_NaN();
+    }
+    if (column == row.size()) guess.see(row.data(), row.size());
+  }
+}
+
+/// The columns of a file: which of them are kept, and what they are.
+struct Columns {
+  std::vector<std::size_t> kept;
+  std::vector<NamedField> fields;     ///< of the kept ones, as records of doubles
+  std::vector<bool> must_be_numbers;  ///< of the kept ones
+};
+
+/// Columns that nobody reads are not kept.
+Result<Columns> columns_of(std::size_t count, const std::vector<std::string>& names,
+                           std::vector<std::string>& unread) {
+  // Each field gets the number of its column as its offset, to see which are read.
+  std::vector<NamedField> named;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    named.push_back({names[i], {i, 0, NumberType::float64}});
+  const RecordLayout layout = TRY(layout_of(named, unread));
+  std::vector<bool> keep(count, false), must_be_number(count, false);
+  const auto use = [&](const RecordField& field, bool number) {
+    if (field.offset >= keep.size()) return;
+    keep[field.offset] = true;
+    must_be_number[field.offset] = number;
+  };
+  for (const RecordField& field : layout.position) use(field, true);
+  for (const auto* vector : {&layout.normal, &layout.color}) {
+    if (!*vector) continue;
+    for (const RecordField& field : **vector) use(field, true);
+  }
+  for (const RecordScalar& scalar : layout.scalars) use(scalar.field, false);
+  Columns columns;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!keep[i]) continue;
+    columns.kept.push_back(i);
+    columns.must_be_numbers.push_back(must_be_number[i]);
+  }
+  const std::size_t size = columns.kept.size() * sizeof(double);
+  for (std::size_t i = 0; i < columns.kept.size(); ++i)
+    columns.fields.push_back(
+        {names[columns.kept[i]], {i * sizeof(double), size, NumberType::float64}});
+  return columns;
+}
+
+std::string join(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : " ") + printable(name);
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> guess_text_columns(std::span<const ByteView> samples, bool pts) {
+  ColumnGuess guess;
+  std::size_t columns = 0;
+  bool unnamed = false;
+  std::vector<std::string> names;
+  for (const ByteView sample : samples) {
+    const std::string_view text = without_mark(text_of(sample));
+    Lines lines(text);
+    const Result<Head> head = read_head(lines);
+    // Reading the file says what is wrong.
+    if (!head || head->columns < 3) continue;
+    if (!head->names.empty()) {
+      if (names.empty()) names = head->names;
+      continue;
+    }
+    unnamed = true;
+    if (columns == 0) columns = head->columns;
+    if (head->columns != columns) continue;
+    pts |= head->count.has_value();
+    look(*head, lines, guess);
+  }
+  if (!unnamed) return {};
+  // Files that were divided have a header in the first alone.
+  if (names.size() == columns) {
+    // As --columns takes them.
+    for (std::string& name : names)
+      if (!is_scalar_name(name) || name.find(',') != std::string::npos) name = "_";
+    return names;
+  }
+  return guess.text_names(columns, pts);
+}
+
+Result<PointCloud> read_text_points(const ByteSource& source, const Reading& reading,
+                                    ReadNotes& notes) {
+  Bytes room;
+  const ByteView bytes = TRY(source.all(room));
+  Lines lines(without_mark(text_of(bytes)));
+  Head head = TRY(read_head(lines));
+  if (head.columns == 0) return fail("has no points");
+  if (head.columns < 3) {
+    return fail(concat("line ", lines.number() + 1, ": has ", head.columns,
+                       " numbers, but a point has at least 3"));
+  }
+  std::vector<std::string> names = head.names;
+  if (!reading.columns.empty()) {
+    names = reading.columns;
+    if (names.size() != head.columns) {
+      return fail(concat("line ", lines.number() + 1, ": has ", head.columns,
+                         " columns, but is to be read as ", join(names),
+                         "; --columns names them for all files"));
+    }
+  } else if (names.empty()) {
+    const auto sample = TRY(sample_of(source, CloudFormat::text));
+    const ByteView view = sample ? ByteView(*sample) : bytes;
+    names = guess_text_columns({&view, 1}, false);
+    if (names.size() != head.columns) names = ColumnGuess().text_names(head.columns, false);
+  }
+  const Columns columns = TRY(columns_of(head.columns, names, notes.unread));
+  const std::vector<std::size_t>& kept = columns.kept;
+
+  std::vector<double> values;  // of the kept columns, row by row
+  std::size_t rows = 0, longer = 0;
+  for (std::string_view line; lines.next(line);) {
+    if (trimmed(line).empty() || comment_of(line)) continue;
+    Cells cells(line, head.separator);
+    std::size_t column = 0, next = 0;
+    for (std::string_view word; next < kept.size() && cells.next(word); ++column) {
+      if (column != kept[next]) continue;
+      double value = 0.0;
+      if (!parse_cell(word, head.separator, value)) {
+        if (columns.must_be_numbers[next]) {
+          return fail(concat("line ", lines.number(), ": '", printable(word), "' in column ",
+                             column + 1, " is not a number"));
+        }
+        value = std::numeric_limits<double>::quiet_NaN();
+      }
+      values.push_back(value);
+      ++next;
+    }
+    if (next < kept.size()) {
+      // Scans that follow each other in a .pts file begin with their counts.
+      if (head.count && column == 1 && next == 1) {
+        *head.count += to_count(values.back());
+        values.pop_back();
+        continue;
+      }
+      return fail(concat("line ", lines.number(), ": has ", column,
+                         " columns, but the first point ", "has ", head.columns));
+    }
+    std::string_view more;
+    longer += column == head.columns && cells.next(more) && !comment_of(more);
+    ++rows;
+  }
+  if (longer > 0) {
+    notes.warnings.push_back(concat("has ", longer, " lines with more columns than the first ",
+                                    "point, which has ", head.columns, "; they are not read"));
+  }
+  if (head.count && *head.count != rows) {
+    notes.warnings.push_back(
+        concat("says that it has ", *head.count, " points, but there are ", rows));
+  }
+  // The values are records of doubles.
+  std::vector<std::string> told;
+  const RecordLayout layout = TRY(layout_of(columns.fields, told));
+  RecordCollector collector(layout, rows);
+  collector.add(reinterpret_cast<const std::uint8_t*>(values.data()), 0, rows);
+  return collector.finish(notes);
+}
+
+}  // namespace pointreel

@@ -1,0 +1,35 @@
+#include "codec/package/encoding_options.h"
+
+namespace pointreel {
+
+ReelHead reel_head(const EncodingOptions& options) {
+  ReelHead head;
+  head.name = options.name;
+  head.codec = name(options.encode.id());
+  head.fps = options.fps;
+  head.up = options.up;
+  if (const auto* octree = std::get_if<OctreeOptions>(&options.encode.codec)) {
+    head.entropy = name(octree->entropy);
+    head.layer_names = {"base", "middle", "full"};
+  } else {
+    head.layer_names = {"full"};
+  }
+  return head;
+}
+
+CleanReport clean_frame(PointCloud& cloud, const EncodingOptions& options) {
+  if (!options.clean || (options.voxel && !options.resample && !options.clean->radius)) return {};
+  const bool had_normals = cloud.has_normals();
+  CleanReport report = clean(cloud, *options.clean, options.encode.executor);
+  if (!had_normals) cloud.normals.clear();
+  return report;
+}
+
+std::string_view why_not_cleaned(const CleanOptions& options) {
+  if (options.radius) return "around most points, no surface fits within that radius; try auto";
+  if (!options.without_normals)
+    return "the frames are smooth, voxelised, without normals, or no scans of surfaces";
+  return "the frames are smooth, voxelised, or no scans of surfaces";
+}
+
+}  // namespace pointreel

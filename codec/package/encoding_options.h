@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "codec/core/placement.h"
+#include "codec/surface/clean.h"
+#include "pointreel/codec.h"
+#include "pointreel/draco.h"
+#include "pointreel/package.h"
+
+namespace pointreel {
+
+/// What pack and publish are both told about a sequence of frames, and how to encode it.
+struct EncodingOptions {
+  std::string name;   ///< for people
+  double fps = 30.0;  ///< nominal frames per second, kMinFps to kMaxFps
+  char up = 'y';      ///< the axis that points up, 'y' or 'z'
+  /// How the frames of files are placed, before anything else is done with them.
+  Placement placement;
+  EncodeOptions encode;
+  /// Edge of a voxel in the source's units. Voxels are centred on multiples of it, or on the voxels
+  /// of the source that they merge. It determines the depth of the octree.
+  std::optional<double> voxel;
+  /// How frames are cleaned before they are encoded. Nothing: they stay as they are, and so they
+  /// do with `voxel` unless a radius is given or `resample` is set.
+  std::optional<CleanOptions> clean;
+  /// The voxels are not those of the source but sample its surface anew, after it was cleaned.
+  bool resample = false;
+  /// Milliseconds, above 0, that encoding a frame may take. FrameTimeControl lowers the depth to
+  /// achieve this, so the encoded bytes depend on the machine.
+  std::optional<double> frame_time_ms;
+  int threads = 0;  ///< that encode; 0: one for each processor
+  /// DecodeLimits::max_memory of each frame that is read from files.
+  std::uint64_t max_memory = kFrameMemory;
+};
+
+/// What a reel or a live stream of such frames says about itself. Colours, normals and scalar
+/// fields are not known before there is a frame.
+ReelHead reel_head(const EncodingOptions& options);
+
+/// A line for people, for clouds that have scalar fields.
+inline constexpr const char* kNoScalarsInDraco =
+    "scalar fields, such as intensities, are left out: Draco frames have none; use --codec octree";
+
+/// Cleans a frame as the options say. A frame without normals gets none, since players derive them
+/// from the cleaned points as well.
+CleanReport clean_frame(PointCloud& cloud, const EncodingOptions& options);
+/// Why no frame was cleaned, for people.
+std::string_view why_not_cleaned(const CleanOptions& options);
+
+}  // namespace pointreel

@@ -1,0 +1,68 @@
+#include "common/file_system/write_file.h"
+
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace pointreel {
+namespace fs = std::filesystem;
+namespace {
+
+ByteView bytes_of(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+/// Writes all bytes; errno tells why not.
+bool write_all(const fs::path& path, ByteView bytes) {
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr) return false;
+  // An empty view may have no address, and fwrite must not be given a null pointer.
+  const bool written =
+      bytes.empty() || std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+  const int error = errno;
+  // A full disk may not be reported before this.
+  if (std::fclose(file) == 0 && written) return true;
+  if (!written) errno = error;
+  return false;
+}
+
+/// Writes a file that errors call `shown`.
+Result<void> write(const fs::path& path, ByteView bytes, const fs::path& shown) {
+  if (write_all(path, bytes)) return {};
+  const std::string why = std::strerror(errno);
+  std::error_code ignored;
+  // A device is nobody's to remove.
+  if (fs::is_regular_file(path, ignored)) fs::remove(path, ignored);
+  return fail(ErrorCode::io, fmt::format("{}: cannot be written: {}", shown.string(), why));
+}
+
+}  // namespace
+
+Result<void> write_file(const fs::path& path, ByteView bytes) { return write(path, bytes, path); }
+
+Result<void> write_file(const fs::path& path, std::string_view text) {
+  return write_file(path, bytes_of(text));
+}
+
+Result<void> replace_file(const fs::path& path, ByteView bytes) {
+  const fs::path unfinished = fmt::format("{}.{}~", path.string(), ::getpid());
+  if (auto written = write(unfinished, bytes, path); !written) return written;
+  std::error_code error, ignored;
+  fs::rename(unfinished, path, error);
+  if (!error) return {};
+  fs::remove(unfinished, ignored);
+  return fail(ErrorCode::io,
+              fmt::format("{}: cannot be replaced: {}", path.string(), error.message()));
+}
+
+Result<void> replace_file(const fs::path& path, std::string_view text) {
+  return replace_file(path, bytes_of(text));
+}
+
+}  // namespace pointreel

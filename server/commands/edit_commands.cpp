@@ -1,0 +1,163 @@
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "common/base/words.h"
+#include "common/command_line/command.h"
+#include "common/process/stop_signal.h"
+#include "server/commands/commands.h"
+#include "server/commands/store_options.h"
+#include "server/edit/cut_package.h"
+#include "server/edit/join_packages.h"
+#include "server/pack/frame_numbers.h"
+
+namespace pointreel {
+namespace {
+
+std::string sound_text(const AudioFile& audio) {
+  return number_text(static_cast<double>(audio.samples) / kAudioRate) + " s of sound";
+}
+
+struct CutArguments {
+  std::string reel, frames;
+  std::optional<double> from, to;
+  CutOptions options;
+  HttpOptions http = patient_http_options();
+};
+
+int run_cut(CutArguments arguments) {
+  CutOptions& options = arguments.options;
+  const auto microseconds = [](double seconds) {
+    return static_cast<std::uint64_t>(std::llround(seconds * 1e6));
+  };
+  if (!arguments.frames.empty()) {
+    const auto range = parse_frame_numbers(arguments.frames);
+    if (!range) {
+      print_error(fault_of_frame_numbers(arguments.frames));
+      return kExitUsage;
+    }
+    options.frames = FrameRange{range->first, range->second};
+  } else if (!arguments.from && !arguments.to) {
+    print_error("cut: give the part to keep, by --from and --to or by --frames");
+    return kExitUsage;
+  }
+  if (arguments.from) options.from_us = microseconds(*arguments.from);
+  if (arguments.to) options.to_us = microseconds(*arguments.to);
+  if (options.to_us <= options.from_us) {
+    print_error("cut: --to must be later than --from, and later than 0");
+    return kExitUsage;
+  }
+  const StopSignal stop;
+  arguments.http.stop = stop.token();
+  const Result<PackageFiles> files = PackageFiles::at(arguments.reel, arguments.http);
+  if (!files) return failed_to_open(files.error());
+  options.input = *files;
+  const Result<CutReport> cut = cut_package(options, stop.token());
+  if (!cut) return failed_to_open(cut.error());
+  print("{}: frames {} of {}, {}, {}{}\n", options.output.string(),
+        span_text(cut->frames.first, cut->frames.last), files->shown(),
+        counted(cut->segments, "segment"), counted(cut->bytes, "byte"),
+        cut->audio ? ", " + sound_text(*cut->audio) : "");
+  return kExitOk;
+}
+
+struct JoinArguments {
+  std::vector<std::string> reels;
+  JoinOptions options;
+  HttpOptions http = patient_http_options();
+};
+
+int run_join_packages(JoinArguments arguments) {
+  JoinOptions& options = arguments.options;
+  const StopSignal stop;
+  arguments.http.stop = stop.token();
+  for (const std::string& reel : arguments.reels) {
+    Result<PackageFiles> files = PackageFiles::at(reel, arguments.http);
+    if (!files) return failed_to_open(files.error());
+    options.inputs.push_back(std::move(*files));
+  }
+  const Result<JoinedPackages> joined = join_packages(options, stop.token());
+  if (!joined) return failed_to_open(joined.error());
+  for (const std::size_t silent : joined->silent)
+    print_error(options.inputs[silent].shown() + ": has no sound, so its part is silent");
+  print("{}: {}, {}, {}{}\n", options.output.string(), counted(joined->frames, "frame"),
+        counted(joined->segments, "segment"), counted(joined->bytes, "byte"),
+        joined->audio ? ", " + sound_text(*joined->audio) : "");
+  return kExitOk;
+}
+
+void add_output_folder(cli::Command command, std::filesystem::path& output, bool& force) {
+  command.add_option("-o,--output", output, "the folder of the new package")
+      .required()
+      .type_name("REEL");
+  command.add_flag("--force", force, "replace a package that is already there");
+}
+
+void add_cut_command(cli::Command app, int& exit_code) {
+  const auto a = std::make_shared<CutArguments>();
+  const cli::Command command = app.add_subcommand(
+      "cut",
+      "Make a package of a part of another one, without encoding anything again\n"
+      "Segments stay whole, so a little more than asked for is kept at either end: up to a second "
+      "of a recording, and up to the frames of a segment (pack --segment, 30) of what was packed. "
+      "Sound is cut, too.");
+  command.add_option("INPUT", a->reel, "the folder or the address of the package")
+      .required()
+      .type_name("");
+  add_output_folder(command, a->options.output, a->options.force);
+  const cli::Option from =
+      command
+          .add_option("--from", a->from,
+                      "keep what is shown from this time of the reel on (default: its beginning)")
+          .check(cli::number_within(0.0, 1e9))
+          .type_name("SECONDS");
+  const cli::Option to =
+      command
+          .add_option("--to", a->to,
+                      "keep what is shown before this time of the reel (default: its end)")
+          .check(cli::number_within(0.0, 1e9))
+          .type_name("SECONDS");
+  command
+      .add_option("--frames", a->frames,
+                  "instead of times: keep frames A to B, including both, or only frame A, "
+                  "numbered from 0")
+      .type_name("A-B")
+      .excludes(from)
+      .excludes(to);
+  add_store_options(command, a->http);
+  command.callback([a, &exit_code] { exit_code = run_cut(*a); });
+}
+
+void add_join_command(cli::Command app, int& exit_code) {
+  const auto a = std::make_shared<JoinArguments>();
+  const cli::Command command = app.add_subcommand(
+      "join",
+      "Make one package of several, such as recordings of one stream, without encoding anything "
+      "again\n"
+      "Each begins when the one before it is over. They must have the same codec, entropy coder, "
+      "layers, frame rate, up axis, colours, normals and scalar fields. Sound is joined, too. "
+      "(pack join is for parts of a plan.)");
+  command
+      .add_option("INPUTS", a->reels,
+                  "the folders or the addresses of the packages, in the order in which they are "
+                  "shown")
+      .required()
+      .type_name("");
+  add_output_folder(command, a->options.output, a->options.force);
+  add_store_options(command, a->http);
+  command.callback([a, &exit_code] { exit_code = run_join_packages(*a); });
+}
+
+}  // namespace
+
+void add_edit_commands(cli::Command app, int& exit_code) {
+  add_cut_command(app, exit_code);
+  add_join_command(app, exit_code);
+}
+
+}  // namespace pointreel

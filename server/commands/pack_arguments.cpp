@@ -1,0 +1,135 @@
+#include "server/commands/pack_arguments.h"
+
+#include <charconv>
+#include <utility>
+
+#include "codec/cloud_options/cloud_options.h"
+#include "common/base/try.h"
+
+namespace pointreel {
+namespace {
+
+/// "20M", "800k", "1.5G" or a plain number of bits per second.
+Result<double> parse_bitrate(const std::string& text) {
+  double rate = 0.0;
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, rate);
+  double unit = 1.0;
+  if (parsed.ec == std::errc() && end - parsed.ptr == 1) {
+    unit = *parsed.ptr == 'k' ? 1e3 : *parsed.ptr == 'M' ? 1e6 : *parsed.ptr == 'G' ? 1e9 : 0.0;
+  } else if (parsed.ec != std::errc() || parsed.ptr != end) {
+    unit = 0.0;
+  }
+  rate *= unit;
+  if (!(rate >= 1.0 && rate <= 1e15)) {
+    return fail(ErrorCode::argument,
+                text + " is not a number of bits per second such as 20M, 800k or 1500000");
+  }
+  return rate;
+}
+
+}  // namespace
+
+void PackArguments::add_to(cli::Command command) {
+  command_ = command;
+  input_ = command
+               .add_option(
+                   "-i,--input", options_.inputs,
+                   "folders and files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, "
+                   "KITTI, nuScenes, MCAP), and of depth (a folder with depth/*.png, or .mkv, with "
+                   "intrinsics in JSON); the files of a folder are taken in natural order, so "
+                   "that frame2 comes before frame10")
+               .required()
+               .type_name("PATH")
+               .expected(1, -1);
+  output_ = command
+                .add_option("-o,--output", options_.output,
+                            "the folder of the package; not needed with --to")
+                .required()
+                .type_name("FOLDER");
+  add_topic_option(command, options_.topic);
+  add_reading_options(command, options_.reading);
+  add_choice<bool>(command, "--cube", options_.cube_per_frame, {{"group", false}, {"frame", true}},
+                   "one cube for all frames of a segment, so that the voxels of resting surfaces "
+                   "do not move, or one for each frame");
+  command
+      .add_option_function<std::string>(
+          "--bitrate", [this](const std::string& text) { options_.bitrate = *parse_bitrate(text); },
+          "bits per second, such as 20M or 800k, that no segment exceeds on average; depth and "
+          "qualities are lowered to achieve this")
+      .check(cli::parsed_by(parse_bitrate))
+      .type_name("RATE");
+  command
+      .add_option("--segment", options_.segment_frames,
+                  "frames in a segment; they share a cube and a file")
+      .check(cli::range(1, 100'000))
+      .capture_default_str();
+  audio_ =
+      command
+          .add_option("--audio", options_.audio,
+                      "sound, from any file that ffmpeg reads except playlists; what is longer "
+                      "than the frames is cut off")
+          .type_name("FILE");
+  sequence_.sequence.clean = CleanOptions{.without_normals = false};
+  sequence_.add_to(command, "folder", "the package then depends on the speed of this machine");
+  command.add_flag("--keep-gaps", options_.keep_gaps,
+                   "where frames are missing by the numbers in the names of files, show the frame "
+                   "before for their time, so that sound does not run ahead");
+  command.add_flag("--best-effort", options_.best_effort,
+                   "warn instead of failing: leave out stray points and damaged parts of "
+                   "recordings, show the frame before in place of one that cannot be read, and "
+                   "pack what lies too far apart for the cube that it shares, or exceeds the bit "
+                   "rate at its coarsest");
+  force_ = command.add_flag("--force", options_.force, "replace a package that is already there");
+  sequence_.only_with_context(command.add_flag(
+      "--train", options_.train,
+      "learn the context tables from the frames, and keep them in the package if that makes it "
+      "smaller"));
+  sequence_.only_with(
+      Codec::draco,
+      command.add_flag("--measure-parts", options_.measure_parts,
+                       "also report how the bytes divide into geometry, colours and normals, "
+                       "which takes two more encodes per frame"));
+}
+
+Result<PackOptions> PackArguments::options() const {
+  PackOptions options = options_;
+  static_cast<EncodingOptions&>(options) = TRY(sequence_.options());
+  options.up_of_files = sequence_.up_of_files();
+  options.times_of_files = sequence_.times_of_files() || options.keep_gaps;
+  return options;
+}
+
+std::vector<std::string> PackArguments::command_line() const {
+  std::vector<std::string> line;
+  for (const cli::Option option : command_.options()) {
+    const bool of_the_whole =
+        option == input_ || option == output_ || option == force_ || option == audio_;
+    if (option.count() == 0 || of_the_whole) continue;
+    line.push_back(option.name());
+    if (option.is_flag()) continue;
+    // "--name=value", since a value may begin with a minus sign.
+    const std::vector<std::string>& values = option.values();
+    line.back() += "=" + values.front();
+    line.insert(line.end(), values.begin() + 1, values.end());
+  }
+  return line;
+}
+
+void PackArguments::require_no_paths() {
+  input_.required(false);
+  require_no_output();
+}
+
+void PackArguments::require_no_output() { output_.required(false); }
+
+Result<PackOptions> parse_pack_command_line(const std::vector<std::string>& arguments) {
+  cli::Program app;
+  PackArguments parsed;
+  parsed.add_to(app);
+  parsed.require_no_paths();
+  TRY(app.parse(arguments));
+  return parsed.options();
+}
+
+}  // namespace pointreel

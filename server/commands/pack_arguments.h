@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/command_line/command.h"
+#include "pointreel/error.h"
+#include "server/commands/sequence_arguments.h"
+#include "server/pack/pack_options.h"
+
+namespace pointreel {
+
+/// The options of `pack` on a command line.
+class PackArguments {
+ public:
+  /// Adds them to a command, which this object must outlive.
+  void add_to(cli::Command command);
+
+  /// What was given; an error if some of it does not go together.
+  Result<PackOptions> options() const;
+
+  /// What was given, as a command line that stands for the same options, without what is not
+  /// about single frames: input, output, --audio and --force. To be called once the command was
+  /// parsed.
+  std::vector<std::string> command_line() const;
+
+  /// Input and output are not required after this.
+  void require_no_paths();
+  /// Output is not.
+  void require_no_output();
+
+ private:
+  PackOptions options_;
+  SequenceArguments sequence_;
+  cli::Command command_;
+  cli::Option input_, output_, force_, audio_;
+};
+
+/// The options that PackArguments::command_line stands for; without input and output.
+Result<PackOptions> parse_pack_command_line(const std::vector<std::string>& arguments);
+
+}  // namespace pointreel

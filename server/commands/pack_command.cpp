@@ -1,0 +1,285 @@
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "common/base/words.h"
+#include "common/file_system/scratch_folder.h"
+#include "common/file_system/write_file.h"
+#include "common/process/print.h"
+#include "common/process/stop_signal.h"
+#include "server/commands/commands.h"
+#include "server/commands/pack_arguments.h"
+#include "server/commands/pack_progress.h"
+#include "server/commands/parts_commands.h"
+#include "server/commands/report_upload.h"
+#include "server/commands/store_options.h"
+#include "server/pack/cleaning.h"
+#include "server/pack/packer.h"
+#include "server/store/upload.h"
+
+namespace pointreel {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct PackCommand {
+  PackArguments pack;
+  UploadOptions upload;  ///< nothing is uploaded if `to` is empty
+  std::string json;
+  cli::Option json_option;
+};
+
+double bits_per_point(std::uint64_t bytes, const PackSummary& summary) {
+  if (summary.points == 0) return 0.0;
+  return 8.0 * static_cast<double>(bytes) / static_cast<double>(summary.points);
+}
+
+ordered_json to_json(const SegmentSummary& segment) {
+  ordered_json json = {{"first_frame", segment.first_frame},
+                       {"frames", segment.frames},
+                       {"bytes", segment.bytes},
+                       {"bits_per_second", segment.bits_per_second},
+                       {"depth", {{"min", segment.depth_min}, {"max", segment.depth_max}}}};
+  if (const auto* octree = std::get_if<OctreeOptions>(&segment.encode.codec)) {
+    json["quality"] = octree->color_quality;
+    json["normal_quality"] = octree->normal_quality;
+  } else {
+    json["qn"] = std::get<DracoOptions>(segment.encode.codec).normal_bits;
+  }
+  json["max_error"] = segment.max_error;
+  json["within_bitrate"] = segment.within_rate;
+  json["trials"] = segment.trials;
+  return json;
+}
+
+ordered_json to_json(const PackSummary& summary) {
+  ordered_json bits;
+  if (summary.parts) {
+    bits["geometry"] = bits_per_point(summary.parts->geometry, summary);
+    bits["colors"] = bits_per_point(summary.parts->colors, summary);
+    bits["normals"] = bits_per_point(summary.parts->normals, summary);
+  }
+  if (summary.scalar_bytes > 0) bits["scalars"] = bits_per_point(summary.scalar_bytes, summary);
+  bits["total"] = bits_per_point(summary.segment_bytes, summary);
+  ordered_json json = {{"frames", summary.frames},
+                       {"points", summary.points},
+                       {"coded_points", summary.coded_points},
+                       {"bytes", summary.bytes},
+                       {"bits_per_point", std::move(bits)},
+                       {"encode_ms",
+                        {{"median", summary.encode_ms.median},
+                         {"min", summary.encode_ms.min},
+                         {"max", summary.encode_ms.max}}},
+                       {"depth", {{"min", summary.depth_min}, {"max", summary.depth_max}}},
+                       {"codec", summary.codec}};
+  json["entropy"] = nullptr;
+  if (!summary.entropy.empty()) json["entropy"] = summary.entropy;
+  json["tables"] = nullptr;
+  if (summary.learnt) {
+    json["tables"] = {{"samples", summary.learnt->samples},
+                      {"bytes", summary.learnt->bytes},
+                      {"saved_bytes", std::llround(summary.learnt->saved_bytes)}};
+  }
+  json["cleaning"] = cleaning_json(summary.cleaning);
+  json["recorded_fps"] = nullptr;
+  if (summary.recorded_fps) json["recorded_fps"] = *summary.recorded_fps;
+  json["max_error"] = summary.max_error;
+  json["late_frames"] = summary.late_frames;
+  json["read_as"] = summary.guesses;
+  json["missing"] = {{"frames", summary.unreadable_frames}, {"parts", summary.lost_parts}};
+  json["segments"] = ordered_json::array();
+  for (const SegmentSummary& segment : summary.segments) {
+    json["segments"].push_back(to_json(segment));
+  }
+  json["seconds"] = summary.seconds;
+  json["warnings"] = summary.warnings;
+  return json;
+}
+
+/// The last part of an address.
+std::string name_in(std::string address) {
+  while (address.ends_with('/')) address.pop_back();
+  return address.substr(address.rfind('/') + 1);
+}
+
+/// What the bit rate allowed for a segment.
+void print_segment(const SegmentSummary& segment) {
+  std::string quality;
+  if (const auto* octree = std::get_if<OctreeOptions>(&segment.encode.codec)) {
+    quality =
+        fmt::format("quality {}, of normals {}", octree->color_quality, octree->normal_quality);
+  } else {
+    quality = fmt::format("qn {}", std::get<DracoOptions>(segment.encode.codec).normal_bits);
+  }
+  print("  frames {:>5} to {:>5}  {:.3f} Mbit/s{}, depth {}, {}\n", segment.first_frame,
+        segment.first_frame + segment.frames - 1, 1e-6 * segment.bits_per_second,
+        segment.within_rate ? "" : " (too much)", span_text(segment.depth_min, segment.depth_max),
+        quality);
+}
+
+void print_summary(const PackOptions& options, const PackSummary& summary) {
+  print("{}: {}, {}, {}, {:.1f} s\n", options.output.string(), counted(summary.frames, "frame"),
+        counted(summary.points, "point"), counted(summary.bytes, "byte"), summary.seconds);
+  print("  bits per point  {:.2f}", bits_per_point(summary.segment_bytes, summary));
+  if (summary.parts) {
+    print(" (geometry {:.2f}, colors {:.2f}, normals {:.2f})",
+          bits_per_point(summary.parts->geometry, summary),
+          bits_per_point(summary.parts->colors, summary),
+          bits_per_point(summary.parts->normals, summary));
+  }
+  if (summary.scalar_bytes > 0)
+    print(", scalar fields {:.2f}", bits_per_point(summary.scalar_bytes, summary));
+  print("\n  encode          {:.2f} ms per frame ({:.2f} to {:.2f})\n", summary.encode_ms.median,
+        summary.encode_ms.min, summary.encode_ms.max);
+  print("  codec           {}{}{}, depth {}\n", summary.codec, summary.entropy.empty() ? "" : " ",
+        summary.entropy, span_text(summary.depth_min, summary.depth_max));
+  print("  error           at most {}, in the source's units\n", number_text(summary.max_error, 4));
+  if (options.clean && summary.cleaning.frames == 0 && (!options.voxel || options.resample)) {
+    print("  cleaning        none: {}\n", why_not_cleaned(*options.clean));
+  } else if (options.clean) {
+    print("  cleaning        {}\n", cleaning_text(summary.cleaning));
+  }
+  if (summary.recorded_fps) {
+    print("  time            as recorded, {} frames per second by the median (--fps: evenly)\n",
+          number_text(*summary.recorded_fps, 4));
+  }
+  for (const std::string& guess : summary.guesses) print("  read as         {}\n", guess);
+  if (summary.unreadable_frames + summary.lost_parts > 0) {
+    print("  missing         {}{}\n",
+          summary.unreadable_frames == 0 ? ""
+                                         : fmt::format("{}, in whose place others are shown{}",
+                                                       counted(summary.unreadable_frames, "frame"),
+                                                       summary.lost_parts == 0 ? "" : "; "),
+          summary.lost_parts == 0 ? ""
+                                  : counted(summary.lost_parts, "damaged part") + " of recordings");
+  }
+  if (options.frame_time_ms) {
+    print("  late            {} took longer than {} ms\n", counted(summary.late_frames, "frame"),
+          number_text(*options.frame_time_ms));
+  }
+  if (options.bitrate) {
+    for (const SegmentSummary& segment : summary.segments) print_segment(segment);
+  }
+  if (!summary.learnt) return;
+  if (summary.learnt->bytes == 0) {
+    print("  tables          built-in; tables learnt from {} would save nothing\n",
+          counted(summary.learnt->samples, "frame"));
+  } else {
+    print("  tables          learnt from {}; after their own {} they save about {:.0f}\n",
+          counted(summary.learnt->samples, "frame"), counted(summary.learnt->bytes, "byte"),
+          summary.learnt->saved_bytes);
+  }
+}
+
+int report(const PackCommand& arguments, const PackOptions& options, const PackSummary& summary,
+           const std::optional<UploadSummary>& uploaded) {
+  const std::string& to = arguments.upload.to;
+  const auto print_text = [&] {
+    print_summary(options, summary);
+    if (uploaded) print("{}\n", upload_text(to, *uploaded));
+  };
+  if (arguments.json_option.count() == 0) {
+    print_text();
+    return kExitOk;
+  }
+  ordered_json json = to_json(summary);
+  if (uploaded) json["upload"] = upload_json(to, *uploaded);
+  if (arguments.json.empty() || arguments.json == "-") {
+    print_json(json);
+    return kExitOk;
+  }
+  const std::string text = json.dump(2, ' ', true, ordered_json::error_handler_t::replace) + "\n";
+  if (const auto written = write_file(arguments.json, text); !written) {
+    print_error(written.error().message + " (the package is complete)");
+    return kExitFailed;
+  }
+  print_text();
+  return kExitOk;
+}
+
+int fail_with(const Error& error) {
+  print_error(error.message);
+  return error.code == ErrorCode::argument ? kExitUsage : kExitFailed;
+}
+
+int run_pack(const PackCommand& arguments) {
+  Result<PackOptions> options = arguments.pack.options();
+  if (!options) {
+    print_error(options.error().message);
+    return kExitUsage;
+  }
+  const StopSignal stop;
+  std::optional<Uploader> uploader;
+  ScratchFolder temporary;
+  const bool kept = !options->output.empty();
+  if (!arguments.upload.to.empty()) {
+    UploadOptions upload = arguments.upload;
+    upload.http.stop = stop.token();
+    upload.force = options->force;
+    Result<Uploader> opened = Uploader::open(upload);
+    if (!opened) return fail_with(opened.error());
+    uploader = std::move(*opened);
+    if (!kept) {
+      const Result<std::filesystem::path> folder = temporary.path(
+          ": cannot be created; set TMPDIR to a folder that has room, or keep the package with -o");
+      if (!folder) return fail_with(folder.error());
+      options->output = *folder / name_in(upload.to);
+    }
+  }
+  PackProgress progress;
+  const Result<PackSummary> summary = pack(*options, progress.listener(stop.token()));
+  progress.done();
+  if (!summary) return failed(summary.error());
+  std::optional<UploadSummary> uploaded;
+  if (uploader) {
+    const Result<UploadSummary> sent = upload_with_progress(*uploader, options->output);
+    if (!sent) {
+      const int code = fail_with(sent.error());
+      if (sent.error().code != ErrorCode::argument && kept)
+        print_error(fmt::format("{}: is complete; pointreel-server upload goes on from here",
+                                options->output.string()));
+      return code;
+    }
+    uploaded = *sent;
+  }
+  return report(arguments, *options, *summary, uploaded);
+}
+
+}  // namespace
+
+void add_pack_command(cli::Command app, int& exit_code) {
+  const auto arguments = std::make_shared<PackCommand>();
+  const cli::Command command = app.add_subcommand("pack", "Encode point clouds into a package");
+  arguments->pack.add_to(command);
+  arguments->json_option =
+      command
+          .add_option("--json", arguments->json, "print the summary as JSON, or write it to FILE")
+          .expected(0, 1)
+          .type_name("[FILE]");
+  arguments->upload.http = patient_http_options();
+  command
+      .add_option_function<std::string>(
+          "--to",
+          [arguments](const std::string& to) {
+            arguments->upload.to = to;
+            arguments->pack.require_no_output();
+          },
+          "upload the package to an object store, s3://BUCKET/REEL; with -o, keep a local copy, "
+          "too. Files that are there already are not sent again")
+      .type_name("ADDRESS");
+  add_store_options(command, arguments->upload.http);
+  command.callback([arguments, command, &exit_code] {
+    if (command.parsed_subcommands().empty()) exit_code = run_pack(*arguments);
+  });
+  for (const cli::Command part : add_parts_commands(command, exit_code))
+    part.preparse_callback([arguments] { arguments->pack.require_no_paths(); });
+}
+
+}  // namespace pointreel

@@ -1,0 +1,200 @@
+#include "codec/video/video_frame.h"
+
+#include <array>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "codec/octree/frame_header.h"
+#include "codec/video/depth_picture.h"
+#include "common/base/byte_io.h"
+#include "common/base/concat.h"
+#include "common/base/for_each.h"
+#include "common/base/out_of_memory.h"
+#include "common/base/try.h"
+
+namespace pointreel {
+namespace {
+
+/// Of a pixel, at most: its mask and depth, eight reference pictures of both videos, and a point.
+constexpr std::uint64_t kBytesOfPixel = 120;
+
+struct Parts {
+  ByteView group, occupancy, leftovers, depth;
+};
+
+Result<Parts> read_parts(ByteView payload) {
+  ByteReader reader(payload);
+  std::array<std::size_t, 3> sizes{};
+  for (std::size_t& size : sizes) size = reader.get<std::uint32_t>();
+  ByteView rest = reader.rest();
+  Parts parts;
+  std::size_t i = 0;
+  for (ByteView* part : {&parts.group, &parts.occupancy, &parts.leftovers}) {
+    if (!reader.ok() || sizes[i] > rest.size()) return fail("a frame of the video ends early");
+    *part = rest.first(sizes[i]);
+    rest = rest.subspan(sizes[i++]);
+  }
+  parts.depth = rest;
+  return parts;
+}
+
+/// The layers of the octree of leftovers: sizes and bytes of geometry and colours.
+Result<std::vector<Chunks<ByteView>>> leftover_layers(ByteView bytes) {
+  std::vector<Chunks<ByteView>> layers;
+  while (!bytes.empty()) {
+    Chunks<ByteView>& layer = layers.emplace_back();
+    for (ByteView* chunk : {&layer.geometry, &layer.colors}) {
+      ByteReader reader(bytes);
+      const std::size_t size = reader.get<std::uint32_t>();
+      if (!reader.ok() || size > reader.rest().size())
+        return fail("the leftovers of the video end early");
+      *chunk = reader.rest().first(size);
+      bytes = reader.rest().subspan(size);
+    }
+    if (layers.size() > 3) return fail("the leftovers of the video have too many layers");
+  }
+  return layers;
+}
+
+void append(PointCloud& cloud, const PointCloud& more, bool normals) {
+  const glm::vec3 offset(more.origin - cloud.origin);
+  for (const glm::vec3& position : more.positions) cloud.positions.push_back(offset + position);
+  if (cloud.has_colors()) {
+    if (more.has_colors())
+      cloud.colors.insert(cloud.colors.end(), more.colors.begin(), more.colors.end());
+    cloud.colors.resize(cloud.size());
+  }
+  if (normals) {
+    if (more.has_normals())
+      cloud.normals.insert(cloud.normals.end(), more.normals.begin(), more.normals.end());
+    cloud.normals.resize(cloud.size(), glm::vec3(0.0f));
+  }
+}
+
+Bytes payload_of(const VideoGeometry& geometry) {
+  Bytes payload;
+  ByteWriter writer(payload);
+  for (const Bytes* part : {&geometry.group, &geometry.occupancy, &geometry.leftovers})
+    writer.put(static_cast<std::uint32_t>(part->size()));
+  for (const Bytes* part :
+       {&geometry.group, &geometry.occupancy, &geometry.leftovers, &geometry.depth})
+    payload.insert(payload.end(), part->begin(), part->end());
+  return payload;
+}
+
+/// Frames of a group are told apart by their number.
+Bytes chunk_of(ChunkKind kind, int index, const Bytes& payload) {
+  Bytes chunk;
+  ChunkHeader header;
+  header.kind = kind;
+  header.layer = 1;
+  header.raw_size = static_cast<std::uint32_t>(payload.size());
+  write_chunk(header, static_cast<FrameTag>(index), payload, chunk);
+  return chunk;
+}
+
+}  // namespace
+
+Chunks<Bytes> video_chunks(int index, const VideoGeometry& geometry, const Bytes& colors) {
+  Chunks<Bytes> chunks;
+  chunks.geometry = chunk_of(ChunkKind::geometry, index, payload_of(geometry));
+  if (!colors.empty()) chunks.colors = chunk_of(ChunkKind::colors, index, colors);
+  return chunks;
+}
+
+/// What decoding keeps from frame to frame.
+class VideoDecoder::Group {
+ public:
+  static Result<std::unique_ptr<Group>> begin(ByteView header, const DecodeLimits& limits) {
+    const ParsedVideoGroup parsed = TRY(read_video_group(header));
+    if (!parsed.rest.empty()) return fail("the video's header is followed by something");
+    const VideoGroup& info = parsed.group;
+    if (info.pixels() > limits.max_points || info.pixels() * kBytesOfPixel > limits.max_memory)
+      return fail(ErrorCode::limit,
+                  concat("the video's pictures of ", info.width, " x ", info.height,
+                         " pixels take more memory than a frame may"));
+    auto group = std::unique_ptr<Group>(new Group(info));
+    group->depth_ = TRY(Av1Decoder::open({info.width, info.height, 10}));
+    if (info.colors) group->colors_ = TRY(Av1Decoder::open({info.width, info.height, 8}));
+    return group;
+  }
+
+  int next() const { return next_; }
+
+  Result<VideoPictures> decode(const Parts& parts, ByteView colors, const Executor& executor) {
+    if (next_ == info_->frames) return fail("the video's group has more frames than it says");
+    ++next_;
+    if (colors.empty()) colors_.reset();
+    VideoPictures pictures{info_,
+                           TRY(occupancy_.decode(parts.occupancy)),
+                           {},
+                           {},
+                           Bytes(parts.leftovers.begin(), parts.leftovers.end())};
+    // The two videos at the same time.
+    Result<Av1Picture> depth, color;
+    for_each(executor, colors_ ? 2 : 1, [&](int i) {
+      if (i == 0) {
+        depth = depth_->decode(parts.depth);
+      } else {
+        color = colors_->decode(colors);
+      }
+    });
+    pictures.depth = TRY(std::move(depth));
+    if (colors_) pictures.colors = TRY(std::move(color));
+    return pictures;
+  }
+
+ private:
+  explicit Group(const VideoGroup& info)
+      : info_(std::make_shared<const VideoGroup>(info)), occupancy_(*info_) {}
+
+  const std::shared_ptr<const VideoGroup> info_;
+  OccupancyCoder occupancy_;
+  std::optional<Av1Decoder> depth_, colors_;
+  int next_ = 0;
+};
+
+VideoDecoder::VideoDecoder() = default;
+VideoDecoder::VideoDecoder(VideoDecoder&&) noexcept = default;
+VideoDecoder& VideoDecoder::operator=(VideoDecoder&&) noexcept = default;
+VideoDecoder::~VideoDecoder() = default;
+
+Result<VideoPictures> VideoDecoder::next(const Chunks<ByteView>& chunks,
+                                         const DecodeLimits& limits) {
+  const auto decode = [&]() -> Result<VideoPictures> {
+    const auto first = read_chunk(chunks.geometry, ChunkKind::geometry, 1, 0);
+    if (first) group_.reset();
+    const auto tag = static_cast<FrameTag>(group_ ? group_->next() : 0);
+    const ParsedChunk geometry = TRY(read_chunk(chunks.geometry, ChunkKind::geometry, 1, tag));
+    const Parts parts = TRY(read_parts(geometry.payload));
+    if (!group_) group_ = TRY(Group::begin(parts.group, limits));
+    ByteView colors;
+    if (!chunks.colors.empty())
+      colors = TRY(read_chunk(chunks.colors, ChunkKind::colors, 1, tag)).payload;
+    return group_->decode(parts, colors, limits.executor);
+  };
+  auto pictures = or_out_of_memory(decode);
+  if (!pictures) group_.reset();
+  return pictures;
+}
+
+Result<PointCloud> points_of(const VideoPictures& pictures, const DecodeLimits& limits,
+                             bool normals) {
+  return or_out_of_memory([&]() -> Result<PointCloud> {
+    const VideoGroup& group = *pictures.group;
+    const DepthPicture depth = read_depth(group, pixel_mask(group, pictures.blocks),
+                                          pictures.depth.depth, limits.executor);
+    PointCloud cloud = points_of(group, depth, pictures.colors ? &*pictures.colors : nullptr,
+                                 normals, limits.executor);
+    if (pictures.leftovers.empty()) return cloud;
+    DecodeLimits all = limits;
+    all.inner_nodes = false;
+    all.leaves = true;
+    const DecodedFrame left = TRY(decode_octree(TRY(leftover_layers(pictures.leftovers)), all));
+    append(cloud, left.cloud, normals);
+    return cloud;
+  });
+}
+
+}  // namespace pointreel

@@ -1,0 +1,199 @@
+#include "codec/video_encode/fill_picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+namespace pointreel {
+namespace {
+
+/// How far patches are continued, and how far the pixels are away that tell how, in pixels.
+constexpr int kRim = 4, kAround = kRim + 3;
+constexpr int kLeastPixels = 6;
+/// Keeps the slopes of planes that few pixels tell of small.
+constexpr double kFlatten = 0.02;
+
+struct Area {
+  int left, top, right, bottom;
+};
+Area area_of(const Patch& patch, int divisor) {
+  return {patch.atlas_x / divisor, patch.atlas_y / divisor, (patch.atlas_x + patch.width) / divisor,
+          (patch.atlas_y + patch.height) / divisor};
+}
+
+/// The value at a pixel of the plane that fits the known pixels around it that are on the surface
+/// of the nearest one; nothing if none is near.
+std::optional<float> continued(const Plane& plane, const Area& area, int x, int y, float jump) {
+  int nearest = kRim * kRim + 1;
+  float anchor = 0.0f;
+  for (int v = std::max(area.top, y - kRim); v < std::min(area.bottom, y + kRim + 1); ++v) {
+    for (int u = std::max(area.left, x - kRim); u < std::min(area.right, x + kRim + 1); ++u) {
+      const int distance = (u - x) * (u - x) + (v - y) * (v - y);
+      if (distance >= nearest || plane.known[plane.at(u, v)] == 0) continue;
+      nearest = distance;
+      anchor = plane.values[plane.at(u, v)];
+    }
+  }
+  if (nearest > kRim * kRim) return std::nullopt;
+  double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0, wyy = 0, wz = 0, wxz = 0, wyz = 0;
+  float least = anchor, most = anchor;
+  int count = 0;
+  for (int v = std::max(area.top, y - kAround); v < std::min(area.bottom, y + kAround + 1); ++v) {
+    for (int u = std::max(area.left, x - kAround); u < std::min(area.right, x + kAround + 1); ++u) {
+      const std::size_t p = plane.at(u, v);
+      if (plane.known[p] == 0 || std::abs(plane.values[p] - anchor) > jump) continue;
+      const double dx = u - x, dy = v - y, z = plane.values[p],
+                   weight = 1.0 / (1.0 + dx * dx + dy * dy);
+      w += weight;
+      wx += weight * dx;
+      wy += weight * dy;
+      wxx += weight * dx * dx;
+      wxy += weight * dx * dy;
+      wyy += weight * dy * dy;
+      wz += weight * z;
+      wxz += weight * dx * z;
+      wyz += weight * dy * z;
+      least = std::min(least, plane.values[p]);
+      most = std::max(most, plane.values[p]);
+      ++count;
+    }
+  }
+  if (count < kLeastPixels) return anchor;
+  const double mx = wx / w, my = wy / w, mz = wz / w;
+  const double xx = wxx / w - mx * mx + kFlatten, yy = wyy / w - my * my + kFlatten,
+               xy = wxy / w - mx * my;
+  const double xz = wxz / w - mx * mz, yz = wyz / w - my * mz, determinant = xx * yy - xy * xy;
+  const double sx = (xz * yy - yz * xy) / determinant, sy = (yz * xx - xz * xy) / determinant;
+  const float value = static_cast<float>(mz - sx * mx - sy * my);
+  return std::clamp(value, least - 0.5f * jump, most + 0.5f * jump);
+}
+
+/// Values with weights from 0 to 1.
+struct Level {
+  int width, height;
+  std::vector<float> values, weights;
+
+  Level(int w, int h)
+      : width(w),
+        height(h),
+        values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)),
+        weights(values.size()) {}
+  std::size_t at(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(x);
+  }
+};
+
+Level pulled(const Level& fine) {
+  Level coarse((fine.width + 1) / 2, (fine.height + 1) / 2);
+  for (int y = 0; y < fine.height; ++y) {
+    for (int x = 0; x < fine.width; ++x) {
+      const std::size_t from = fine.at(x, y), to = coarse.at(x / 2, y / 2);
+      coarse.values[to] += fine.weights[from] * fine.values[from];
+      coarse.weights[to] += fine.weights[from];
+    }
+  }
+  for (std::size_t i = 0; i < coarse.values.size(); ++i) {
+    if (coarse.weights[i] > 0.0f) coarse.values[i] /= coarse.weights[i];
+    coarse.weights[i] = std::min(coarse.weights[i], 1.0f);
+  }
+  return coarse;
+}
+
+void push(const Level& coarse, Level& fine) {
+  for (int y = 0; y < fine.height; ++y) {
+    const float fy = std::clamp(0.5f * (static_cast<float>(y) - 0.5f), 0.0f,
+                                static_cast<float>(coarse.height - 1));
+    const int top = static_cast<int>(fy), bottom = std::min(top + 1, coarse.height - 1);
+    const float down = fy - static_cast<float>(top);
+    for (int x = 0; x < fine.width; ++x) {
+      const std::size_t i = fine.at(x, y);
+      const float weight = fine.weights[i];
+      if (weight >= 1.0f) continue;
+      const float fx = std::clamp(0.5f * (static_cast<float>(x) - 0.5f), 0.0f,
+                                  static_cast<float>(coarse.width - 1));
+      const int left = static_cast<int>(fx), right = std::min(left + 1, coarse.width - 1);
+      const float along = fx - static_cast<float>(left);
+      const float above = std::lerp(coarse.values[coarse.at(left, top)],
+                                    coarse.values[coarse.at(right, top)], along);
+      const float below = std::lerp(coarse.values[coarse.at(left, bottom)],
+                                    coarse.values[coarse.at(right, bottom)], along);
+      fine.values[i] = weight * fine.values[i] + (1.0f - weight) * std::lerp(above, below, down);
+      fine.weights[i] = 1.0f;
+    }
+  }
+}
+
+}  // namespace
+
+void continue_patches(const VideoGroup& group, float jump, Plane& plane) {
+  struct Continued {
+    std::size_t pixel;
+    float value;
+  };
+  std::vector<Continued> all;
+  // How many known pixels there are above and to the left: most of a patch is far from its rim.
+  const auto row = static_cast<std::size_t>(plane.width) + 1;
+  std::vector<std::uint32_t> sums(row * (static_cast<std::size_t>(plane.height) + 1), 0);
+  for (int y = 0; y < plane.height; ++y) {
+    std::uint32_t sum = 0;
+    for (int x = 0; x < plane.width; ++x) {
+      sum += plane.known[plane.at(x, y)];
+      sums[static_cast<std::size_t>(y + 1) * row + static_cast<std::size_t>(x) + 1] =
+          sums[static_cast<std::size_t>(y) * row + static_cast<std::size_t>(x) + 1] + sum;
+    }
+  }
+  for (const Patch& patch : group.patches) {
+    const Area area = area_of(patch, 1);
+    for (int y = area.top; y < area.bottom; ++y) {
+      const auto top = static_cast<std::size_t>(std::max(area.top, y - kRim)),
+                 bottom = static_cast<std::size_t>(std::min(area.bottom, y + kRim + 1));
+      for (int x = area.left; x < area.right; ++x) {
+        if (plane.known[plane.at(x, y)] != 0) continue;
+        const auto left = static_cast<std::size_t>(std::max(area.left, x - kRim)),
+                   right = static_cast<std::size_t>(std::min(area.right, x + kRim + 1));
+        if (sums[bottom * row + right] + sums[top * row + left] ==
+            sums[top * row + right] + sums[bottom * row + left])
+          continue;
+        if (const auto value = continued(plane, area, x, y, jump))
+          all.push_back({plane.at(x, y), *value});
+      }
+    }
+  }
+  for (const Continued& pixel : all) {
+    plane.values[pixel.pixel] = pixel.value;
+    plane.known[pixel.pixel] = 1;
+  }
+}
+
+void fill_patches(const VideoGroup& group, int divisor, const Plane* background, Plane& plane) {
+  constexpr float kBackground = 0.02f;
+  for (const Patch& patch : group.patches) {
+    const Area area = area_of(patch, divisor);
+    std::vector<Level> levels{Level(area.right - area.left, area.bottom - area.top)};
+    for (int y = area.top; y < area.bottom; ++y) {
+      for (int x = area.left; x < area.right; ++x) {
+        const std::size_t from = plane.at(x, y), to = levels[0].at(x - area.left, y - area.top);
+        if (plane.known[from] != 0) {
+          levels[0].values[to] = plane.values[from];
+          levels[0].weights[to] = 1.0f;
+        } else if (background != nullptr) {
+          levels[0].values[to] = background->values[from];
+          levels[0].weights[to] = kBackground;
+        }
+      }
+    }
+    while (levels.back().width > 1 || levels.back().height > 1)
+      levels.push_back(pulled(levels.back()));
+    for (std::size_t l = levels.size() - 1; l-- > 0;) push(levels[l + 1], levels[l]);
+    for (int y = area.top; y < area.bottom; ++y)
+      for (int x = area.left; x < area.right; ++x)
+        if (plane.known[plane.at(x, y)] == 0)
+          plane.values[plane.at(x, y)] =
+              levels[0].values[levels[0].at(x - area.left, y - area.top)];
+  }
+}
+
+}  // namespace pointreel

@@ -1,0 +1,284 @@
+#include "codec/video_encode/view_layers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+
+#include "common/base/for_each.h"
+
+namespace pointreel {
+namespace {
+
+constexpr int kPasses = 3;
+/// Points of neighbouring pixels hang together up to this difference of depth.
+constexpr float kJump = 3.0f;
+/// Patches of fewer points are left for the next pass, and then out.
+constexpr std::size_t kSmallest = 64, kSmallestAgain = 16;
+/// Layers are planned in blocks of so many pixels: what shares one should have similar depth, since
+/// video codes it as one.
+constexpr int kPlan = 4;
+constexpr float kSameBlock = 6.0f, kNearBlock = 16.0f;
+
+/// Sums of depth in the blocks of a layer.
+struct BlockSums {
+  struct Block {
+    float sum = 0.0f, count = 0.0f;
+    float mean() const { return sum / count; }
+  };
+  int side = 0;
+  std::vector<Block> blocks;
+
+  explicit BlockSums(int pixels)
+      : side((pixels + kPlan - 1) / kPlan),
+        blocks(static_cast<std::size_t>(side) * static_cast<std::size_t>(side)) {}
+  BlockSums(int pixels, const ViewLayer& layer) : BlockSums(pixels) {
+    for (std::size_t p = 0; p < layer.depth.size(); ++p)
+      if (layer.depth[p] != ViewLayer::kNone)
+        add(p, static_cast<std::size_t>(pixels), layer.depth[p]);
+  }
+
+  std::size_t of_pixel(std::size_t pixel, std::size_t pixels) const {
+    return pixel / pixels / kPlan * static_cast<std::size_t>(side) + pixel % pixels / kPlan;
+  }
+  void add(std::size_t pixel, std::size_t pixels, float depth) {
+    Block& block = blocks[of_pixel(pixel, pixels)];
+    block.sum += depth;
+    ++block.count;
+  }
+};
+
+/// The sets of points that hang together.
+class Unions {
+ public:
+  explicit Unions(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0u);
+  }
+  std::uint32_t find(std::uint32_t a) {
+    while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
+    return a;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = find(a);
+    b = find(b);
+    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+/// A pixel of a patch: of its points, the outermost.
+struct PatchPixel {
+  std::uint32_t pixel;
+  float depth;
+};
+
+/// Lays what belongs to one view.
+class OneView {
+ public:
+  OneView(const SurfacePoints& points, int view, const std::array<ViewLayer, kViewLayers>* before,
+          std::array<ViewLayer, kViewLayers>& layers)
+      : points_(points),
+        axes_(kViewAxes[static_cast<std::size_t>(view)]),
+        layers_(layers),
+        pixels_(static_cast<std::size_t>(points.side)) {
+    for (int l = 0; l < kViewLayers; ++l) {
+      sums_.emplace_back(points.side, layers[static_cast<std::size_t>(l)]);
+      if (before != nullptr)
+        before_.emplace_back(points.side, (*before)[static_cast<std::size_t>(l)]);
+    }
+  }
+
+  /// Lays the points of this view for which `wanted` holds.
+  template <class Wanted>
+  void lay(const Wanted& wanted, bool again) {
+    for (const std::vector<PatchPixel>& patch :
+         patches_of(wanted, again ? kSmallestAgain : kSmallest)) {
+      const auto [layer, cost] = cheapest(patch);
+      if (again && cost > 0.5f * static_cast<float>(plan_.size())) continue;
+      put(patch, layer);
+    }
+  }
+
+ private:
+  float depth_of(std::uint32_t point) const { return points_.places[point][axes_.depth]; }
+
+  /// Patches from large to small.
+  template <class Wanted>
+  std::vector<std::vector<PatchPixel>> patches_of(const Wanted& wanted, std::size_t smallest) {
+    const SurfacePoints::Columns& columns = points_.columns[static_cast<std::size_t>(axes_.depth)];
+    // The wanted points in the order of their pixels, and where those of a pixel begin.
+    std::vector<std::uint32_t> order;
+    std::vector<std::uint32_t> begin(pixels_ * pixels_ + 1);
+    for (std::size_t p = 0; p < pixels_ * pixels_; ++p) {
+      begin[p] = static_cast<std::uint32_t>(order.size());
+      for (std::size_t k = columns.first(p); k < columns.end(p); ++k)
+        if (wanted(columns.points[k])) order.push_back(columns.points[k]);
+    }
+    begin.back() = static_cast<std::uint32_t>(order.size());
+    Unions unions(order.size());
+    const int side = points_.side;
+    for (std::size_t p = 0; p < pixels_ * pixels_; ++p) {
+      if (begin[p] == begin[p + 1]) continue;
+      const int x = static_cast<int>(p) % side, y = static_cast<int>(p) / side;
+      constexpr int kRight[] = {0, 1, 0, 1, -1}, kDown[] = {0, 0, 1, 1, 1};
+      for (int n = 0; n < 5; ++n) {
+        if (x + kRight[n] < 0 || x + kRight[n] >= side || y + kDown[n] >= side) continue;
+        const std::size_t q = p + static_cast<std::size_t>(kDown[n] * side + kRight[n]);
+        for (std::uint32_t i = begin[p]; i < begin[p + 1]; ++i)
+          for (std::uint32_t j = n == 0 ? i + 1 : begin[q]; j < begin[q + 1]; ++j)
+            if (std::abs(depth_of(order[i]) - depth_of(order[j])) <= kJump) unions.join(i, j);
+      }
+    }
+    std::vector<std::uint32_t> size(order.size(), 0);
+    for (std::uint32_t i = 0; i < order.size(); ++i) ++size[unions.find(i)];
+    std::vector<std::uint32_t> roots;
+    for (std::uint32_t i = 0; i < order.size(); ++i)
+      if (size[i] >= smallest) roots.push_back(i);
+    std::sort(roots.begin(), roots.end(),
+              [&](auto a, auto b) { return size[a] != size[b] ? size[a] > size[b] : a < b; });
+    std::vector<std::uint32_t> place(order.size(), 0);
+    for (std::uint32_t k = 0; k < roots.size(); ++k) place[roots[k]] = k + 1;
+    std::vector<std::vector<PatchPixel>> patches(roots.size());
+    for (std::size_t p = 0; p < pixels_ * pixels_; ++p) {
+      for (std::uint32_t i = begin[p]; i < begin[p + 1]; ++i) {
+        const std::uint32_t number = place[unions.find(i)];
+        if (number == 0) continue;
+        std::vector<PatchPixel>& patch = patches[number - 1];
+        const float depth = depth_of(order[i]);
+        if (patch.empty() || patch.back().pixel != p)
+          patch.push_back({static_cast<std::uint32_t>(p), depth});
+        else if (axes_.facing * depth > axes_.facing * patch.back().depth)
+          patch.back().depth = depth;
+      }
+    }
+    return patches;
+  }
+
+  struct Choice {
+    std::size_t layer;
+    float cost;
+  };
+
+  /// The layer that a patch costs least in; plan_ is then the patch in blocks.
+  Choice cheapest(const std::vector<PatchPixel>& patch) {
+    plan_.clear();
+    sums_of_patch_.assign(sums_[0].blocks.size(), {});
+    for (const PatchPixel& pixel : patch) {
+      const std::size_t b = sums_[0].of_pixel(pixel.pixel, pixels_);
+      BlockSums::Block& block = sums_of_patch_[b];
+      if (block.count == 0.0f) plan_.push_back(b);
+      block.sum += pixel.depth;
+      ++block.count;
+    }
+    Choice best{0, 1e30f};
+    for (std::size_t l = 0; l < kViewLayers; ++l) {
+      float cost = 0.02f * static_cast<float>(l) * static_cast<float>(plan_.size());
+      for (const std::size_t b : plan_) cost += cost_of(b, l);
+      if (cost < best.cost) best = {l, cost};
+    }
+    return best;
+  }
+
+  float cost_of(std::size_t b, std::size_t layer) const {
+    const BlockSums& sums = sums_[layer];
+    const float mean = sums_of_patch_[b].mean();
+    const int bx = static_cast<int>(b) % sums.side, by = static_cast<int>(b) / sums.side;
+    float cost = 0.0f;
+    for (int y = std::max(0, by - 1); y <= std::min(sums.side - 1, by + 1); ++y) {
+      for (int x = std::max(0, bx - 1); x <= std::min(sums.side - 1, bx + 1); ++x) {
+        const bool same = x == bx && y == by;
+        const BlockSums::Block& other = sums.blocks[static_cast<std::size_t>(y * sums.side + x)];
+        if (other.count > 0.0f && std::abs(other.mean() - mean) > (same ? kSameBlock : kNearBlock))
+          cost += same ? 3.0f : 0.25f;
+      }
+    }
+    if (!before_.empty()) {
+      const BlockSums::Block& old = before_[layer].blocks[b];
+      if (old.count > 0.0f) cost += std::abs(old.mean() - mean) < kNearBlock ? -1.0f : 0.5f;
+    }
+    return cost;
+  }
+
+  void put(const std::vector<PatchPixel>& patch, std::size_t layer) {
+    ViewLayer& into = layers_[layer];
+    BlockSums& sums = sums_[layer];
+    if (!into.used()) into.depth.assign(pixels_ * pixels_, ViewLayer::kNone);
+    // Blocks that hold something else keep it.
+    for (const std::size_t b : plan_) {
+      const BlockSums::Block& held = sums.blocks[b];
+      if (held.count > 0.0f && std::abs(held.mean() - sums_of_patch_[b].mean()) > kSameBlock)
+        sums_of_patch_[b].count = 0.0f;
+    }
+    for (const PatchPixel& pixel : patch) {
+      if (sums_of_patch_[sums.of_pixel(pixel.pixel, pixels_)].count == 0.0f) continue;
+      if (into.depth[pixel.pixel] != ViewLayer::kNone) continue;
+      into.depth[pixel.pixel] = pixel.depth;
+      sums.add(pixel.pixel, pixels_, pixel.depth);
+    }
+  }
+
+  const SurfacePoints& points_;
+  const ViewAxes& axes_;
+  std::array<ViewLayer, kViewLayers>& layers_;
+  std::size_t pixels_;  ///< along a side
+  std::vector<BlockSums> sums_, before_;
+  std::vector<std::size_t> plan_;
+  std::vector<BlockSums::Block> sums_of_patch_;
+};
+
+/// Whether a pixel of a view is within one pixel of a place along each axis.
+bool is_near(const glm::vec3& place, const ViewAxes& axes,
+             const std::array<ViewLayer, kViewLayers>& layers, int side) {
+  const glm::ivec3 cell(place);
+  for (const ViewLayer& layer : layers) {
+    if (!layer.used()) continue;
+    for (int y = std::max(0, cell[axes.v] - 1); y <= std::min(side - 1, cell[axes.v] + 1); ++y) {
+      for (int x = std::max(0, cell[axes.u] - 1); x <= std::min(side - 1, cell[axes.u] + 1); ++x) {
+        const float depth = layer.depth[static_cast<std::size_t>(y * side + x)];
+        if (depth != ViewLayer::kNone && std::abs(depth - place[axes.depth]) <= 1.01f) return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> uncovered(const SurfacePoints& points,
+                                    const std::vector<std::uint8_t>& labels,
+                                    const ViewLayers& layers, const Executor& executor) {
+  std::vector<std::uint8_t> left(points.size(), 0);
+  constexpr std::size_t kShare = 1u << 15;
+  for_each(executor, static_cast<int>((points.size() + kShare - 1) / kShare), [&](int share) {
+    const std::size_t begin = static_cast<std::size_t>(share) * kShare,
+                      end = std::min(points.size(), begin + kShare);
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto near = [&](std::size_t v) {
+        return is_near(points.places[i], kViewAxes[v], layers[v], points.side);
+      };
+      bool found = near(labels[i]);
+      for (std::size_t v = 0; v < kViews && !found; ++v) found = v != labels[i] && near(v);
+      left[i] = found ? 0 : 1;
+    }
+  });
+  return left;
+}
+
+ViewLayers lay_into_views(const SurfacePoints& points, const std::vector<std::uint8_t>& labels,
+                          const ViewLayers* before, const Executor& executor) {
+  ViewLayers layers;
+  std::vector<std::uint8_t> left(points.size(), 1);
+  for (int pass = 0; pass < kPasses; ++pass) {
+    for_each(executor, kViews, [&](int view) {
+      const auto v = static_cast<std::size_t>(view);
+      OneView one(points, view, before != nullptr ? &(*before)[v] : nullptr, layers[v]);
+      one.lay([&](std::uint32_t i) { return labels[i] == view && left[i] != 0; }, pass > 0);
+    });
+    if (pass + 1 < kPasses) left = uncovered(points, labels, layers, executor);
+  }
+  return layers;
+}
+
+}  // namespace pointreel

@@ -11,6 +11,7 @@
 namespace pointreel {
 
 std::vector<int> levels_of(const Manifest& manifest) {
+  if (manifest.codec == "video") return {kVideoBaseLevel, kWholeFrame};
   if (manifest.codec != "octree") return {kWholeFrame};
   const int depth = std::min(static_cast<int>(manifest.depth_max), kMaxDepth);
   std::vector<int> levels;

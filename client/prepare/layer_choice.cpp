@@ -34,6 +34,7 @@ LayerRange layer_choice(const Manifest& manifest, DrawMode mode, int level, bool
   LayerRange choice;
   choice.colors = manifest.colors;
   choice.normals = draws_normals(mode, manifest.colors, show_normals);
+  if (manifest.codec == "video") choice.end = level <= kVideoBaseLevel ? 1 : 2;
   if (manifest.codec == "octree" && !scalars)
     choice.end = layers_down_to(level, std::min(static_cast<int>(manifest.depth_max), kMaxDepth));
   return choice;

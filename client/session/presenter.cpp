@@ -37,7 +37,7 @@ void Presenter::begin(const Stage& stage) {
     source.where = stage.where(i);
     source.place = stage.place(i);
     const ReelPlayback* reel = stage.reel(i);
-    if (reel != nullptr && reel->manifest().codec == "octree")
+    if (reel != nullptr && reel->manifest().codec != "draco")
       report.finest_level =
           std::max(report.finest_level, static_cast<int>(reel->manifest().depth_max));
   }

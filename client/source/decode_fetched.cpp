@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/source/video_groups.h"
 #include "codec/files/cloud_file.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
@@ -24,6 +25,14 @@ Result<DecodedFrame> decode_fetched(const FetchedFrame& fetched, DecodeLimits li
     DecodedFrame frame;
     frame.cloud = std::move(loaded->cloud);
     frame.cube = bounding_cube(bounds(frame.cloud));
+    frame.source_points = static_cast<std::uint32_t>(frame.cloud.size());
+    return frame;
+  }
+  if (const FetchedLayer& last = fetched.layers.back(); last.group) {
+    auto cloud = decode_video(last, limits);
+    if (!cloud) return tl::unexpected(cloud.error());
+    DecodedFrame frame;
+    frame.cloud = std::move(*cloud);
     frame.source_points = static_cast<std::uint32_t>(frame.cloud.size());
     return frame;
   }

@@ -6,10 +6,22 @@
 
 namespace pointreel {
 
-Chunks<ByteView> FetchedLayer::view() const {
-  const ByteView all = bytes.view();
-  return {all.subspan(0, sizes.geometry), all.subspan(sizes.geometry, sizes.colors),
-          all.subspan(std::size_t{sizes.geometry} + sizes.colors, sizes.normals)};
+Chunks<ByteView> chunk_views(ByteView bytes, const Chunks<std::uint32_t>& sizes) {
+  return {bytes.subspan(0, sizes.geometry), bytes.subspan(sizes.geometry, sizes.colors),
+          bytes.subspan(std::size_t{sizes.geometry} + sizes.colors, sizes.normals)};
+}
+
+Chunks<ByteView> FetchedGroup::view(std::size_t index) const {
+  std::uint64_t offset = 0;
+  for (std::size_t i = 0; i < index; ++i) offset += total(sizes[i]);
+  return chunk_views(bytes.view().subspan(offset, total(sizes[index])), sizes[index]);
+}
+
+std::uint64_t FileRange::bytes() const {
+  if (group.empty()) return total(sizes);
+  std::uint64_t sum = 0;
+  for (const Chunks<std::uint32_t>& of_frame : group) sum += total(of_frame);
+  return sum;
 }
 
 Result<std::shared_ptr<const ContextTables>> read_tables(const PackageFile& file, ByteView bytes) {
@@ -25,6 +37,18 @@ std::uint64_t FetchedFrame::size() const {
   return bytes;
 }
 
+namespace {
+
+/// Video is fetched by whole groups.
+FileRange group_range(const LayerFile& file, std::uint32_t frame, std::uint32_t group_frames) {
+  const std::uint32_t first = frame / group_frames * group_frames;
+  const std::size_t count = std::min<std::size_t>(group_frames, file.frames.size() - first);
+  return {&file, byte_range(file, first).offset, file.frames[frame],
+          std::span(file.frames).subspan(first, count), frame - first};
+}
+
+}  // namespace
+
 Result<std::vector<FileRange>> ranges_of(const Manifest& manifest, std::uint32_t frame,
                                          const LayerRange& layers) {
   const FrameLocation place = locate(manifest, frame);
@@ -35,6 +59,11 @@ Result<std::vector<FileRange>> ranges_of(const Manifest& manifest, std::uint32_t
   for (std::size_t i = layers.first; i < end; ++i) {
     const LayerFile& file = segment.layers[i];
     Chunks<std::uint32_t> sizes = file.frames[place.index];
+    if (i > 0 && manifest.group_frames > 0) {
+      ranges.push_back(group_range(file, place.index, manifest.group_frames));
+      bytes += ranges.back().bytes();
+      continue;
+    }
     if (!layers.normals) {
       sizes.normals = 0;
       if (!layers.colors) sizes.colors = 0;

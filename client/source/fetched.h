@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,13 +32,28 @@ struct LayerRange {
   bool operator==(const LayerRange&) const = default;
 };
 
+/// Views of chunks of these sizes, which follow each other in `bytes`.
+Chunks<ByteView> chunk_views(ByteView bytes, const Chunks<std::uint32_t>& sizes);
+
+/// The video of a group of frames as it was fetched.
+struct FetchedGroup {
+  SharedBytes bytes;
+  std::vector<Chunks<std::uint32_t>> sizes;  ///< of each frame's chunks
+
+  Chunks<ByteView> view(std::size_t index) const;
+};
+
 /// One layer of a frame as it was fetched.
 struct FetchedLayer {
   SharedBytes bytes;
   /// Of the chunks in `bytes`, which hold them in the stored order; 0 for a chunk not fetched.
   Chunks<std::uint32_t> sizes;
+  /// Of video: the group that the frame belongs to, whose bytes `bytes` are a part of, and the
+  /// frame's number in it. Null for what decodes alone.
+  std::shared_ptr<const FetchedGroup> group = nullptr;
+  std::uint32_t index = 0;
 
-  Chunks<ByteView> view() const;
+  Chunks<ByteView> view() const { return chunk_views(bytes.view(), sizes); }
 };
 
 /// A frame as it came: either layers of a package, or a whole file of points. Copying it copies
@@ -59,6 +75,12 @@ struct FileRange {
   const LayerFile* file = nullptr;  ///< in the manifest
   std::uint64_t offset = 0;
   Chunks<std::uint32_t> sizes;
+  /// Of video: the sizes of all frames of the group, which `offset` is the begin of. Otherwise
+  /// empty.
+  std::span<const Chunks<std::uint32_t>> group = {};
+  std::uint32_t index = 0;  ///< of the frame in its group
+
+  std::uint64_t bytes() const;
 };
 
 /// No frame of any real reel comes near this; a manifest that says otherwise is not believed.

@@ -58,7 +58,7 @@ class FileSource : public PackageSource {
     std::vector<Bytes> all;
     for (const FileRange& range : ranges) {
       if (request.stop.stop_requested()) return fail(ErrorCode::cancelled, "cancelled");
-      all.push_back(TRY(read_range(folder_, *range.file, range.offset, total(range.sizes))));
+      all.push_back(TRY(read_range(folder_, *range.file, range.offset, range.bytes())));
     }
     return all;
   }

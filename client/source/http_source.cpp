@@ -41,7 +41,7 @@ class HttpSource : public PackageSource {
     std::vector<HttpClient::Range> wanted;
     for (const FileRange& range : ranges)
       wanted.push_back(
-          {folder_.file(range.file->path), range.offset, total(range.sizes), range.file->bytes});
+          {folder_.file(range.file->path), range.offset, range.bytes(), range.file->bytes});
     return files_.get_ranges(wanted, request.stop, request.fresh);
   }
 

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <deque>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -28,8 +31,20 @@ class PackageSource : public Source {
                                           const FetchRequest& request) = 0;
 
  private:
+  /// A group of video that was fetched.
+  struct Group {
+    const LayerFile* file;
+    std::uint64_t offset;
+    std::shared_ptr<const FetchedGroup> fetched;
+  };
+
+  std::shared_ptr<const FetchedGroup> known_group(const FileRange& range);
+  std::shared_ptr<const FetchedGroup> keep_group(const FileRange& range, Bytes bytes);
+
   const Manifest manifest_;
   const std::shared_ptr<const ContextTables> tables_;
+  std::mutex mutex_;
+  std::deque<Group> groups_;  ///< the newest first
 };
 
 }  // namespace pointreel

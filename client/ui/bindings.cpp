@@ -46,7 +46,7 @@ constexpr std::array kBindings = {
     Binding{"4", Action::view_right, "look from the front, back, left, right, top, bottom"},
     Binding{"5", Action::view_top, "look from the front, back, left, right, top, bottom"},
     Binding{"6", Action::view_bottom, "look from the front, back, left, right, top, bottom"},
-    Binding{"u", Action::turn_over, "turn what stands on its head"},
+    Binding{"u", Action::turn_over, "flip upside down"},
     Binding{"TAB", Action::toggle_fly, "fly: W A S D, E up, Q down"},
     Binding{"k", Action::add_camera_key, "add this view to a camera path"},
     Binding{"d", Action::toggle_drawing, "show or hide the drawing settings"},

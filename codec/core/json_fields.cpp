@@ -149,11 +149,13 @@ Result<ScalarRange> parse_scalar(const JsonValue& object) {
 void read_reel_head(Fields& fields, ReelHead& head) {
   head.name = fields.text("name");
   head.codec = fields.text("codec");
-  if (head.codec == "octree") {
+  if (head.codec == "octree" || head.codec == "video") {
     head.entropy = fields.text("entropy");
   } else if (fields.has("entropy")) {
-    fields.refuse("entropy", "is given, but only the octree codec has one");
+    fields.refuse("entropy", "is given, but this codec has none");
   }
+  if (fields.has("group_frames"))
+    head.group_frames = static_cast<std::uint32_t>(fields.integer("group_frames", 0xffffffffu));
   head.fps = fields.number("fps");
   const std::string up = fields.text("up");
   head.up = up.size() == 1 ? up.front() : '\0';

@@ -119,6 +119,21 @@ Result<void> check_segment(const Segment& segment, const ReelHead& head, std::ui
   return {};
 }
 
+/// The most frames of a group of video.
+constexpr std::uint32_t kMostGroupFrames = 64;
+
+Result<void> check_group(const ReelHead& head) {
+  if (head.codec != "video") {
+    if (head.group_frames != 0) return fail("group_frames: is given, but only video has groups");
+    return {};
+  }
+  if (head.group_frames < 1 || head.group_frames > kMostGroupFrames)
+    return fail(concat("group_frames: is not from 1 to ", kMostGroupFrames));
+  if (head.layer_names.size() != 2) return fail("layers: video has two");
+  if (!head.scalars.empty()) return fail("scalars: video has none");
+  return {};
+}
+
 }  // namespace
 
 Result<void> check_head(const ReelHead& head) {
@@ -127,19 +142,20 @@ Result<void> check_head(const ReelHead& head) {
                        " bytes, or a character that must not be shown: a control character, or one "
                        "that turns the direction of writing"));
   }
-  if (head.codec == "octree") {
+  if (head.codec == "octree" || head.codec == "video") {
     if (head.entropy != "none" && head.entropy != "zstd" && head.entropy != "context") {
       return fail("entropy: is not \"none\", \"zstd\" or \"context\"");
     }
   } else if (head.codec != "draco") {
-    return fail("codec: is neither \"octree\" nor \"draco\"");
+    return fail("codec: is not \"octree\", \"draco\" or \"video\"");
   } else if (!head.entropy.empty()) {
-    return fail("entropy: is given, but only the octree codec has one");
+    return fail("entropy: is given, but this codec has none");
   }
   if (!is_frame_rate(head.fps)) return fail("fps: is not a number from 0.000001 to 1000000");
   if (head.up != 'y' && head.up != 'z') return fail("up: is neither \"y\" nor \"z\"");
   TRY(check_scalar_ranges(head.scalars));
-  return check_layer_names(head.layer_names);
+  TRY(check_layer_names(head.layer_names));
+  return check_group(head);
 }
 
 Result<void> check_box(const Box& box) {

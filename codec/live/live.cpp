@@ -32,6 +32,7 @@ Result<LiveHello> hello_of(Fields& fields) {
   const JsonValue* bounds = fields.value("bounds");
   TRY(fields.check());
   TRY(check_head(hello));
+  if (hello.group_frames > 0) return fail("codec: video is not sent live");
   hello.bounds = TRY(at_place("bounds", parse_box(*bounds)));
   return hello;
 }

@@ -10,7 +10,17 @@ std::vector<Chunks<ByteView>> layer_views(std::span<const Chunks<Bytes>> layers)
   return views;
 }
 
-const char* name(Codec codec) { return codec == Codec::octree ? "octree" : "draco"; }
+const char* name(Codec codec) {
+  switch (codec) {
+    case Codec::octree:
+      return "octree";
+    case Codec::draco:
+      return "draco";
+    case Codec::video:
+      return "video";
+  }
+  return "";
+}
 
 const char* name(Entropy entropy) {
   return entropy == Entropy::none ? "none" : entropy == Entropy::zstd ? "zstd" : "context";

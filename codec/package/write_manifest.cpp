@@ -70,6 +70,7 @@ ordered_json head_json(const Manifest& manifest) {
   if (!manifest.scalars.empty()) head["scalars"] = scalars_json(manifest.scalars);
   head["depth_min"] = manifest.depth_min;
   head["depth_max"] = manifest.depth_max;
+  if (manifest.group_frames > 0) head["group_frames"] = manifest.group_frames;
   head["bounds"] = box_json(manifest.bounds);
   if (manifest.max_error) head["max_error"] = *manifest.max_error;
   if (const auto& cleaning = manifest.cleaning) {

@@ -167,7 +167,7 @@ int run_info(const std::string& reel, bool json, const HttpOptions& options) {
   Totals totals = totals_of(*manifest);
   totals.max_error = manifest->max_error;
   // Of what is far away, no files are fetched to find out.
-  if (!files->remote()) {
+  if (!files->remote() && manifest->group_frames == 0) {
     if (const Result<double> error = max_error(*files, *manifest)) totals.max_error = *error;
   }
   if (json) {

@@ -3,11 +3,17 @@
 #include <charconv>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "codec/cloud_options/cloud_options.h"
+#include "codec/video/video_group.h"
 #include "common/base/try.h"
 
 namespace pointreel {
 namespace {
+
+/// Two groups of video.
+constexpr std::uint32_t kVideoSegmentFrames = 48;
 
 /// "20M", "800k", "1.5G" or a plain number of bits per second.
 Result<double> parse_bitrate(const std::string& text) {
@@ -59,17 +65,33 @@ void PackArguments::add_to(cli::Command command) {
           "qualities are lowered to achieve this")
       .check(cli::parsed_by(parse_bitrate))
       .type_name("RATE");
-  command
-      .add_option("--segment", options_.segment_frames,
-                  "frames in a segment; they share a cube and a file")
-      .check(cli::range(1, 100'000))
-      .capture_default_str();
+  group_ = command
+               .add_option(
+                   "--group", video_.group_frames,
+                   "frames of a group of video: the more, the smaller, and the longer it takes to "
+                   "seek into its middle")
+               .check(cli::range(1, kMostGroupFrames))
+               .capture_default_str()
+               .group("Video");
+  effort_ = command
+                .add_option_function<int>(
+                    "--effort", [this](int effort) { video_.preset = 12 - effort; },
+                    "time against size of video: 0 is the fastest, 9 the smallest")
+                .check(cli::range(0, 9))
+                .default_str(fmt::format("{}", 12 - video_.preset))
+                .group("Video");
+  segment_ = command
+                 .add_option("--segment", options_.segment_frames,
+                             "frames in a segment; they share a cube and a file")
+                 .check(cli::range(1, 100'000))
+                 .capture_default_str();
   audio_ =
       command
           .add_option("--audio", options_.audio,
                       "sound, from any file that ffmpeg reads except playlists; what is longer "
                       "than the frames is cut off")
           .type_name("FILE");
+  sequence_.with_video = true;
   sequence_.sequence.clean = CleanOptions{.without_normals = false};
   sequence_.add_to(command, "folder", "the package then depends on the speed of this machine");
   command.add_flag("--keep-gaps", options_.keep_gaps,
@@ -95,6 +117,20 @@ void PackArguments::add_to(cli::Command command) {
 Result<PackOptions> PackArguments::options() const {
   PackOptions options = options_;
   static_cast<EncodingOptions&>(options) = TRY(sequence_.options());
+  if (sequence_.codec == Codec::video) {
+    if (options.bitrate)
+      return fail(ErrorCode::argument, "--bitrate does not go with --codec video: give --quality");
+    if (options.cube_per_frame)
+      return fail(ErrorCode::argument,
+                  "--cube frame does not go with --codec video, whose frames share a cube");
+    options.video = video_;
+    options.video->quality = sequence_.octree.color_quality;
+    options.segment_frames = segment_.count() > 0 ? options.segment_frames : kVideoSegmentFrames;
+  } else if (group_.count() + effort_.count() > 0) {
+    return fail(
+        ErrorCode::argument,
+        fmt::format("{} needs --codec video", group_.count() > 0 ? group_.name() : effort_.name()));
+  }
   options.up_of_files = sequence_.up_of_files();
   options.times_of_files = sequence_.times_of_files() || options.keep_gaps;
   return options;

@@ -33,7 +33,8 @@ class PackArguments {
   PackOptions options_;
   SequenceArguments sequence_;
   cli::Command command_;
-  cli::Option input_, output_, force_, audio_;
+  VideoPackOptions video_;
+  cli::Option input_, output_, force_, audio_, segment_, group_, effort_;
 };
 
 /// The options that PackArguments::command_line stands for; without input and output.

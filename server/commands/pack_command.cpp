@@ -90,7 +90,8 @@ ordered_json to_json(const PackSummary& summary) {
   json["cleaning"] = cleaning_json(summary.cleaning);
   json["recorded_fps"] = nullptr;
   if (summary.recorded_fps) json["recorded_fps"] = *summary.recorded_fps;
-  json["max_error"] = summary.max_error;
+  json["max_error"] = nullptr;
+  if (!summary.video) json["max_error"] = summary.max_error;
   json["late_frames"] = summary.late_frames;
   json["read_as"] = summary.guesses;
   json["missing"] = {{"frames", summary.unreadable_frames}, {"parts", summary.lost_parts}};
@@ -107,6 +108,14 @@ ordered_json to_json(const PackSummary& summary) {
 std::string name_in(std::string address) {
   while (address.ends_with('/')) address.pop_back();
   return address.substr(address.rfind('/') + 1);
+}
+
+/// Bits per second, of all frames.
+double mean_rate(const PackSummary& summary) {
+  double sum = 0.0;
+  for (const SegmentSummary& segment : summary.segments)
+    sum += segment.bits_per_second * segment.frames;
+  return summary.frames > 0 ? sum / summary.frames : 0.0;
 }
 
 /// What the bit rate allowed for a segment.
@@ -127,6 +136,7 @@ void print_segment(const SegmentSummary& segment) {
 void print_summary(const PackOptions& options, const PackSummary& summary) {
   print("{}: {}, {}, {}, {:.1f} s\n", options.output.string(), counted(summary.frames, "frame"),
         counted(summary.points, "point"), counted(summary.bytes, "byte"), summary.seconds);
+  print("  bit rate        {:.3g} Mbit/s\n", 1e-6 * mean_rate(summary));
   print("  bits per point  {:.2f}", bits_per_point(summary.segment_bytes, summary));
   if (summary.parts) {
     print(" (geometry {:.2f}, colors {:.2f}, normals {:.2f})",
@@ -140,7 +150,9 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
         summary.encode_ms.min, summary.encode_ms.max);
   print("  codec           {}{}{}, depth {}\n", summary.codec, summary.entropy.empty() ? "" : " ",
         summary.entropy, span_text(summary.depth_min, summary.depth_max));
-  print("  error           at most {}, in the source's units\n", number_text(summary.max_error, 4));
+  if (!summary.video)
+    print("  error           at most {}, in the source's units\n",
+          number_text(summary.max_error, 4));
   if (options.clean && summary.cleaning.frames == 0 && (!options.voxel || options.resample)) {
     print("  cleaning        none: {}\n", why_not_cleaned(*options.clean));
   } else if (options.clean) {

@@ -27,6 +27,11 @@ cli::Option SequenceArguments::only_with(Codec of, cli::Option option) {
   return option.group(of == Codec::octree ? "Octree" : "Draco");
 }
 
+cli::Option SequenceArguments::not_with_draco(cli::Option option) {
+  of_layers_.push_back(option);
+  return option.group("Octree");
+}
+
 cli::Option SequenceArguments::only_with_context(cli::Option option) {
   of_context_.push_back(option);
   return only_with(Codec::octree, option);
@@ -59,9 +64,14 @@ void SequenceArguments::add_to(cli::Command command, const char* default_name,
                       about_frame_time))
       .check(cli::positive_number())
       .type_name("MS");
-  add_choice<Codec>(command, "--codec", codec,
-                    {{name(Codec::octree), Codec::octree}, {name(Codec::draco), Codec::draco}},
-                    "octrees, in layers that refine each other, or Draco");
+  std::vector<std::pair<std::string, Codec>> codecs{{name(Codec::octree), Codec::octree},
+                                                    {name(Codec::draco), Codec::draco}};
+  if (with_video) codecs.emplace_back(name(Codec::video), Codec::video);
+  add_choice<Codec>(command, "--codec", codec, codecs,
+                    with_video ? "octrees, in layers that refine each other; Draco; or video: "
+                                 "pictures of depth and colours, which take a fraction of the bits "
+                                 "for dense, clean surfaces that move"
+                               : "octrees, in layers that refine each other, or Draco");
   command
       .add_option_function<std::string>(
           "--clean", [this](const std::string& text) { sequence.clean = cleaning_of(text); },
@@ -148,12 +158,15 @@ void SequenceArguments::add_octree_options(cli::Command command) {
                                     "2^20 voxels, then one for each 2^19")
                         .check(cli::range(0, kMostSlabs))
                         .capture_default_str());
-  only_with(Codec::octree,
-            command
-                .add_option("--quality", octree.color_quality,
-                            "quality of colours; every +14 halves the error, 100 is lossless")
-                .check(cli::range(1, kLosslessColorQuality))
-                .capture_default_str());
+  not_with_draco(
+      command
+          .add_option("--quality", octree.color_quality,
+                      with_video
+                          ? "quality of colours, with video of depth, too; with octrees every "
+                            "+14 halves the error and 100 is lossless"
+                          : "quality of colours; every +14 halves the error, 100 is lossless")
+          .check(cli::range(1, kLosslessColorQuality))
+          .capture_default_str());
   only_with(Codec::octree,
             command
                 .add_option_function<int>(
@@ -229,6 +242,11 @@ Result<EncodingOptions> SequenceArguments::options() const {
     if (option.count() == 0 || of == codec) continue;
     return fail(ErrorCode::argument, fmt::format("{} needs --codec {}", option.name(), name(of)));
   }
+  for (const cli::Option option : of_layers_) {
+    if (option.count() == 0 || codec != Codec::draco) continue;
+    return fail(ErrorCode::argument,
+                fmt::format("{} does not go with --codec draco", option.name()));
+  }
   for (const cli::Option option : of_context_) {
     if (option.count() == 0 || octree.entropy == Entropy::context) continue;
     return fail(ErrorCode::argument,
@@ -236,10 +254,10 @@ Result<EncodingOptions> SequenceArguments::options() const {
   }
   EncodingOptions options = sequence;
   options.max_memory = frame_memory_ << 20;
-  if (codec == Codec::octree) {
-    options.encode.codec = octree;
-  } else {
+  if (codec == Codec::draco) {
     options.encode.codec = draco;
+  } else {
+    options.encode.codec = octree;
   }
   return options;
 }

@@ -18,6 +18,7 @@ namespace pointreel {
 struct SequenceArguments {
   EncodingOptions sequence;  ///< all but `sequence.encode.codec`
   Codec codec = Codec::octree;
+  bool with_video = false;  ///< whether --codec may be video
   OctreeOptions octree;
   DracoOptions draco;
 
@@ -28,6 +29,8 @@ struct SequenceArguments {
   /// Declares an option of the command that makes sense only with one codec, or only with
   /// Entropy::context.
   cli::Option only_with(Codec of, cli::Option option);
+  /// The same for options of octrees that video has, too.
+  cli::Option not_with_draco(cli::Option option);
   cli::Option only_with_context(cli::Option option);
 
   /// Whether the axis that points up is to be taken from files whose format tells it: it was not
@@ -47,7 +50,7 @@ struct SequenceArguments {
   void add_draco_options(cli::Command command);
 
   std::vector<std::pair<Codec, cli::Option>> of_codec_;
-  std::vector<cli::Option> of_context_;
+  std::vector<cli::Option> of_context_, of_layers_;
 };
 
 /// An option with a value for each of some words.

@@ -9,6 +9,7 @@
 
 #include "codec/octree/frame_header.h"
 #include "codec/package/max_error.h"
+#include "codec/video/video_frame.h"
 #include "common/base/try.h"
 #include "common/file_system/open_file.h"
 #include "common/threads/tbb_executor.h"
@@ -78,6 +79,20 @@ Result<DecodedFrame> FrameDecoder::decode(const std::vector<Chunks<ByteView>>& l
   limits.tables = tables_.get();
   limits.executor = tbb_executor();
   return decode_frame(layers, limits);
+}
+
+Result<PointCloud> FrameDecoder::decode_video(const PackageFiles& files, const Manifest& manifest,
+                                              std::uint32_t frame) const {
+  const std::uint32_t index = locate(manifest, frame).index % manifest.group_frames;
+  DecodeLimits limits;
+  limits.max_memory = max_memory_;
+  limits.executor = tbb_executor();
+  VideoDecoder decoder;
+  for (std::uint32_t i = frame - index;; ++i) {
+    const Chunks<Bytes> chunks = TRY(read_layer(files, manifest, i, 1));
+    const VideoPictures pictures = TRY(decoder.next({chunks.geometry, chunks.colors, {}}, limits));
+    if (i == frame) return points_of(pictures, limits);
+  }
 }
 
 Result<double> max_error(const PackageFiles& files, const Manifest& manifest) {

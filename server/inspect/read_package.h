@@ -41,6 +41,10 @@ class FrameDecoder {
   Result<void> read_tables(const PackageFiles& files, const PackageFile& tables);
 
   Result<DecodedFrame> decode(const std::vector<Chunks<ByteView>>& layers) const;
+  /// The points of a frame of video, for which those before it in its group are decoded, too. The
+  /// error does not name the file.
+  Result<PointCloud> decode_video(const PackageFiles& files, const Manifest& manifest,
+                                  std::uint32_t frame) const;
 
  private:
   std::uint64_t max_memory_;

@@ -112,6 +112,10 @@ class Unpacking {
   }
 
   Result<PointCloud> decode(std::uint32_t frame) const {
+    if (manifest_.group_frames > 0 && options_.layers > 1) {
+      auto cloud = decoder_.decode_video(options_.input, manifest_, frame);
+      return cloud ? std::move(cloud) : fail_at(place(frame), cloud.error());
+    }
     const auto layers = TRY(read_frame(options_.input, manifest_, frame, options_.layers));
     Result<DecodedFrame> decoded = decoder_.decode(layer_views(layers));
     if (!decoded) return fail_at(place(frame), decoded.error());

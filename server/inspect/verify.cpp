@@ -77,7 +77,7 @@ Result<void> check_decoded(const Manifest& manifest, std::uint32_t frame, std::s
                            const FrameHeader& header, const DecodedFrame& decoded) {
   const FrameLocation at = locate(manifest, frame);
   const std::uint32_t points = manifest.segments[at.segment].points[at.index];
-  if (manifest.codec != name(header.codec)) {
+  if (manifest.codec != name(manifest.group_frames > 0 ? Codec::video : header.codec)) {
     return fail(fmt::format("is a frame of the {} codec", name(header.codec)));
   }
   if (decoded.source_points != points) {
@@ -120,11 +120,20 @@ std::optional<Fault> fault_of(const PackageFiles& files, const Manifest& manifes
   }
   const Result<ParsedFrameHeader> parsed = read_frame_header(layers.front().geometry);
   if (!parsed) return fault(0, parsed.error());
+  const std::optional<std::size_t> video =
+      manifest.group_frames > 0 ? std::optional<std::size_t>(1) : std::nullopt;
+  if (video && layers.size() <= *video) return fault(*video, Error{"has no video"});
+  if (video) layers.resize(*video);
   const Result<DecodedFrame> decoded = decoder.decode(layer_views(layers));
   if (!decoded) return fault(layer_at_fault(decoder, layer_views(layers)), decoded.error());
   const Result<void> checked =
       check_decoded(manifest, frame, layers.size(), parsed->header, *decoded);
   if (!checked) return fault(layers.size() - 1, checked.error());
+  if (!video) return std::nullopt;
+  const Result<PointCloud> points = decoder.decode_video(files, manifest, frame);
+  if (!points) return fault(*video, points.error());
+  if (!is_within(manifest.bounds, *points, parsed->header))
+    return fault(*video, Error{"has points outside of the manifest's bounds"});
   return std::nullopt;
 }
 

@@ -14,6 +14,7 @@ namespace {
 /// Why frames of the two cannot be in one reel, in a word; nothing if they can.
 const char* difference(const Manifest& a, const Manifest& b) {
   if (a.codec != b.codec) return "codecs";
+  if (a.group_frames != b.group_frames) return "groups of frames";
   if (a.entropy != b.entropy) return "entropy coders";
   if (a.layer_names != b.layer_names) return "layers";
   if (a.up != b.up) return "axes that point up";

@@ -18,7 +18,12 @@ Manifest begin_manifest(PackOptions& options, const CloudSequence& sequence) {
   if (timed && !options.keep_gaps) options.fps = std::clamp(sequence.fps, kMinFps, kMaxFps);
   Manifest manifest;
   static_cast<ReelHead&>(manifest) = reel_head(options);
-  if (options.encode.id() == Codec::octree) add_scalar_layer(manifest.layer_names);
+  if (options.video) {
+    manifest.codec = name(Codec::video);
+    manifest.layer_names = {"base", "video"};
+    manifest.group_frames = options.video->group_frames;
+  } else if (options.encode.id() == Codec::octree)
+    add_scalar_layer(manifest.layer_names);
   manifest.duration_us =
       timed ? sequence.end_us() : presentation_time_us(sequence.frames.size(), options.fps);
   if (timed) manifest.captured_us = sequence.captured_us();

@@ -1,5 +1,6 @@
 #include "server/pack/pack_frame.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -14,10 +15,24 @@
 namespace pointreel {
 namespace {
 
+/// Colours of the octree that video stands on need not be better than a small picture shows.
+constexpr int kVideoBaseQuality = 30;
+
+/// How the octree is encoded that video stands on.
+EncodeOptions base_options(const EncodeOptions& asked) {
+  EncodeOptions options = no_deeper_than(asked, kVideoBaseLevel);
+  options.normals = false;
+  auto& octree = std::get<OctreeOptions>(options.codec);
+  octree.color_quality = std::min(octree.color_quality, kVideoBaseQuality);
+  octree.scalars = false;
+  return options;
+}
+
 /// Encodes `cloud` into `frame`. Returns the options that were used.
 Result<EncodeOptions> encode(PackedFrame& frame, const PointCloud& cloud, const Grid& grid,
                              const PackOptions& options, FrameLimits& limits) {
-  const EncodeOptions encode_options = limits.of_frame(grid.encode);
+  EncodeOptions encode_options = limits.of_frame(grid.encode);
+  if (options.video) encode_options = base_options(encode_options);
   const auto start = std::chrono::steady_clock::now();
   frame.encoded = TRY(encode_frame(cloud, grid.cube, encode_options));
   frame.encode_ms =
@@ -73,7 +88,11 @@ Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const Pac
   if (!grid) return fail_at(file, grid.error());
   const auto used = encode(frame, cloud, *grid, options, limits);
   if (!used) return fail_at(file, used.error());
-  if (!options.voxel) {
+  if (options.video) {
+    frame.source = loaded;
+    frame.grid = *grid;
+    frame.max_error = 0.0;
+  } else if (!options.voxel) {
     TRY(judge_collapse(frame, file, cloud, *grid, input.strays_of(*loaded), *used,
                        options.best_effort));
   }

@@ -10,6 +10,13 @@
 
 namespace pointreel {
 
+/// How frames are packed as video.
+struct VideoPackOptions {
+  std::uint32_t group_frames = 24;  ///< frames of a group, 1 to kMostGroupFrames
+  int quality = 64;                 ///< 1 to 100, of depth and colours together
+  int preset = 8;                   ///< VideoOptions::preset
+};
+
 /// What to pack, and where to. An empty `name` stands for that of the output folder without
 /// ".reel".
 struct PackOptions : EncodingOptions {
@@ -42,6 +49,9 @@ struct PackOptions : EncodingOptions {
   /// another frame in place of one that cannot be read: all with a warning. Otherwise these are
   /// errors.
   bool best_effort = false;
+  /// Encode layered depth video on top of octrees of few levels; `encode` holds octree options,
+  /// which choose the size of its pixels.
+  std::optional<VideoPackOptions> video;
   bool force = false;  ///< replace a package that is already there
 };
 

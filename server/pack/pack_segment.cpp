@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <utility>
 
 #include <tbb/parallel_pipeline.h>
@@ -12,6 +13,7 @@
 #include "common/base/try.h"
 #include "common/file_system/output_folder.h"
 #include "server/pack/cleaning.h"
+#include "server/pack/pack_group.h"
 
 namespace pointreel {
 namespace {
@@ -23,11 +25,54 @@ class Writer {
       : fps_(options.fps),
         time_us_(output.time_us),
         first_frame_(first_frame),
+        options_(options),
         files_(output.folder, first_frame, output.layer_names) {
     segment_.summary.first_frame = first_frame;
   }
 
-  Result<void> add(const PackedFrame& frame) {
+  /// Frames of video wait until their group is complete.
+  Result<void> add(PackedFrame frame) {
+    waiting_.push_back(std::move(frame));
+    if (!options_.video || waiting_.size() == options_.video->group_frames) return write_waiting();
+    return {};
+  }
+
+  /// `shared`: the cube of all frames, if they share one.
+  Result<PackedSegment> finish(const std::optional<Grid>& shared) {
+    TRY(write_waiting());
+    SegmentSummary& summary = segment_.summary;
+    segment_.entry = TRY(files_.finish(shared ? shared->cube : bounding_cube(segment_.box)));
+    for (const LayerFile& file : segment_.entry.layers) summary.bytes += file.bytes;
+    summary.bits_per_second = 8.0 * static_cast<double>(summary.bytes) * fps_ / summary.frames;
+    return std::move(segment_);
+  }
+
+ private:
+  Result<void> write_waiting() {
+    if (waiting_.empty()) return {};
+    if (options_.video) TRY(add_video());
+    for (const PackedFrame& frame : waiting_) TRY(write(frame));
+    waiting_.clear();
+    return {};
+  }
+
+  Result<void> add_video() {
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<Chunks<Bytes>> video = TRY(pack_group(waiting_, options_));
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    for (std::size_t i = 0; i < waiting_.size(); ++i) {
+      PackedFrame& frame = waiting_[i];
+      frame.encode_ms += took.count() / static_cast<double>(waiting_.size());
+      if (frame.parts) {
+        frame.parts->geometry += video[i].geometry.size();
+        frame.parts->colors += video[i].colors.size();
+      }
+      frame.encoded.layers.push_back(std::move(video[i]));
+    }
+    return {};
+  }
+
+  Result<void> write(const PackedFrame& frame) {
     const EncodedFrame& encoded = frame.encoded;
     SegmentSummary& summary = segment_.summary;
     TRY(files_.append(encoded, time_us(first_frame_ + summary.frames)));
@@ -64,16 +109,6 @@ class Writer {
     return {};
   }
 
-  /// `shared`: the cube of all frames, if they share one.
-  Result<PackedSegment> finish(const std::optional<Grid>& shared) {
-    SegmentSummary& summary = segment_.summary;
-    segment_.entry = TRY(files_.finish(shared ? shared->cube : bounding_cube(segment_.box)));
-    for (const LayerFile& file : segment_.entry.layers) summary.bytes += file.bytes;
-    summary.bits_per_second = 8.0 * static_cast<double>(summary.bytes) * fps_ / summary.frames;
-    return std::move(segment_);
-  }
-
- private:
   std::uint64_t time_us(std::size_t frame) const {
     return time_us_ ? time_us_(frame) : presentation_time_us(frame, fps_);
   }
@@ -81,7 +116,9 @@ class Writer {
   const double fps_;
   const std::function<std::uint64_t(std::size_t)> time_us_;
   const std::uint32_t first_frame_;
+  const PackOptions& options_;
   SegmentWriter files_;
+  std::vector<PackedFrame> waiting_;
   PackedSegment segment_;
 };
 
@@ -99,7 +136,7 @@ Manifest manifest_of(PackedSegment segment, const Manifest& head) {
   manifest.bounds = segment.box;
   manifest.depth_min = segment.summary.depth_min;
   manifest.depth_max = segment.summary.depth_max;
-  manifest.max_error = segment.summary.max_error;
+  if (head.group_frames == 0) manifest.max_error = segment.summary.max_error;
   if (segment.cleaning.frames > 0) manifest.cleaning = segment.cleaning;
   segment.entry.first_frame = 0;
   manifest.segments.push_back(std::move(segment.entry));
@@ -120,9 +157,10 @@ Result<PackedSegment> pack_segment(SegmentInput& input, std::uint32_t first_fram
     return 0;
   };
   const auto encode = [&](std::size_t frame) { return pack_frame(input, frame, options, limits); };
-  const auto write = [&](const Result<PackedFrame>& frame) {
+  const auto write = [&](Result<PackedFrame> frame) {
     if (stopping()) return;
-    const Result<void> written = frame ? writer.add(*frame) : tl::unexpected(frame.error());
+    const Result<void> written =
+        frame ? writer.add(std::move(*frame)) : tl::unexpected(frame.error());
     if (!written) {
       error = written.error();
       failed = true;

@@ -117,6 +117,7 @@ class Packer {
     summary_.bytes = TRY(finish_package(output_.folder, manifest_, options_.output));
     for (const PackageFile* file : manifest_.files()) summary_.bytes += file->bytes;
     summary_.encode_ms = spread_of(std::move(encode_ms_));
+    summary_.video = options_.video.has_value();
     summary_.codec = manifest_.codec;
     summary_.entropy = manifest_.entropy;
     return std::move(summary_);

@@ -90,6 +90,22 @@ TEST(Manifest, names_tables_only_if_frames_can_use_them) {
               HasSubstr("belong to entropy"));
 }
 
+TEST(Manifest, states_the_groups_of_video_and_of_nothing_else) {
+  const json video = {{"codec", "video"}, {"group_frames", 16}};
+  EXPECT_EQ(error_with(video), "accepted");
+  json root = json::parse(write_manifest(example()));
+  root.merge_patch(video);
+  const Manifest manifest = parse_manifest(root.dump()).value();
+  EXPECT_EQ(manifest.group_frames, 16u);
+  EXPECT_EQ(json::parse(write_manifest(manifest))["group_frames"], 16);
+  EXPECT_THAT(error_with({{"codec", "video"}}), HasSubstr("group_frames"));
+  EXPECT_THAT(error_with({{"codec", "video"}, {"group_frames", 65}}), HasSubstr("group_frames"));
+  EXPECT_THAT(error_with({{"group_frames", 16}}), HasSubstr("only video has groups"));
+  const json scalars = {{{"name", "heat"}, {"min", 0}, {"max", 1}, {"labels", false}}};
+  EXPECT_THAT(error_with({{"codec", "video"}, {"group_frames", 16}, {"scalars", scalars}}),
+              HasSubstr("scalars: video has none"));
+}
+
 TEST(Manifest, names_a_file_of_sound) {
   Manifest m = example();
   m.audio = AudioFile{{"audio.01234567.opus", 1000, 0x0123456789abcdefu}, 96'000};

@@ -27,9 +27,20 @@ void copy(const glm::dvec3& from, double* to) {
   for (int i = 0; i < 3; ++i) to[i] = from[i];
 }
 
+/// The reel without its video: octrees of few levels.
+void keep_base(Manifest& manifest) {
+  manifest.codec = "octree";
+  manifest.group_frames = 0;
+  manifest.layer_names.resize(1);
+  for (Segment& segment : manifest.segments) segment.layers.resize(1);
+  manifest.depth_max = std::min<std::uint32_t>(manifest.depth_max, kVideoBaseLevel);
+  manifest.depth_min = std::min(manifest.depth_min, manifest.depth_max);
+}
+
 }  // namespace
 
 PrReel pointreel::reel_of(Manifest manifest) {
+  if (manifest.codec == "video") keep_base(manifest);
   PrReel reel;
   PrReelInfo& info = reel.info;
   info.frames = manifest.frame_count();

@@ -28,7 +28,9 @@ namespace pointreel {
 /// Trained probability tables for Entropy::context. read_table_file reads them.
 struct ContextTables;
 
-enum class Codec : std::uint8_t { octree = 1, draco = 2 };
+/// `video`: layered depth video on top of an octree of few levels. It exists in packages, not as
+/// frames that stand alone.
+enum class Codec : std::uint8_t { octree = 1, draco = 2, video = 3 };
 
 /// How the octree codec compresses geometry: not at all, with zstd, or with trained contexts, which
 /// give by far the smallest frames.
@@ -187,7 +189,7 @@ Result<DecodedFrame> decode_octree(const std::vector<Chunks<ByteView>>& layers,
 /// so is one that unpacks to more than 4 MiB.
 Result<std::shared_ptr<const ContextTables>> read_table_file(ByteView file);
 
-/// "octree", "draco", "none", "zstd", "context".
+/// "octree", "draco", "video", "none", "zstd", "context".
 const char* name(Codec codec);
 const char* name(Entropy entropy);
 

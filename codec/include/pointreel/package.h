@@ -17,6 +17,8 @@
 namespace pointreel {
 
 inline constexpr int kPackageVersion = 1;
+/// The finest level of the octree that video stands on.
+inline constexpr int kVideoBaseLevel = 7;
 inline constexpr const char* kManifestName = "reel.json";
 /// The largest reel.json that readers accept, in bytes.
 inline constexpr std::uint64_t kMaxManifestBytes = 32u << 20;
@@ -92,10 +94,14 @@ struct ScalarRange {
 /// What reels and live streams have in common, and state before any frame.
 struct ReelHead {
   std::string name;     ///< for people
-  std::string codec;    ///< "octree" or "draco"
-  std::string entropy;  ///< "none", "zstd" or "context"; empty for Draco
-  double fps = 30.0;    ///< the nominal frame rate; the times of the frames are authoritative
-  char up = 'y';        ///< the axis that points up, 'y' or 'z'
+  std::string codec;    ///< "octree", "draco" or "video"
+  std::string entropy;  ///< of octrees: "none", "zstd" or "context"; empty for Draco
+  /// Of video: the frames of a segment are coded in groups of so many, from its first one on. The
+  /// video of a frame needs that of those before it in its group, and nothing else. 0 for other
+  /// codecs, whose frames stand alone.
+  std::uint32_t group_frames = 0;
+  double fps = 30.0;  ///< the nominal frame rate; the times of the frames are authoritative
+  char up = 'y';      ///< the axis that points up, 'y' or 'z'
   bool colors = false, normals = false;  ///< whether any frame has them
   std::vector<ScalarRange> scalars;      ///< fields that any frame has; at most kMaxScalars
   std::vector<std::string> layer_names;  ///< coarse to fine; scalar fields have one of their own

@@ -113,7 +113,7 @@ export const BINDINGS: readonly Binding[] = [
   { keys: ["0"], help: "return to the first view", acts: [(player) => player.lookHome()] },
   { keys: ["1", "2", "3", "4", "5", "6"], help: "look from the front, back, left, right, top, bottom",
     acts: [view("front"), view("back"), view("left"), view("right"), view("top"), view("bottom")] },
-  { keys: ["u"], help: "turn what stands on its head", acts: [(player) => player.move((camera) => camera.turnOver())] },
+  { keys: ["u"], help: "flip upside down", acts: [(player) => player.move((camera) => camera.turnOver())] },
   { keys: ["w", "a", "x", "e"], help: "turn the scene up, left, down, right", acts: [
     (player) => player.move((c) => c.orbit(0, 0.1)), (player) => player.move((c) => c.orbit(-0.1, 0)),
     (player) => player.move((c) => c.orbit(0, -0.1)), (player) => player.move((c) => c.orbit(0.1, 0))] },

@@ -1,0 +1,163 @@
+// Layered depth video by the real programs: packed, verified, unpacked, cut, joined and drawn.
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "codec/files/ply.h"
+#include "codec/package/manifest.h"
+#include "pointreel/package.h"
+#include "tests/distance/distance.h"
+#include "tests/e2e/picture.h"
+#include "tests/e2e/process.h"
+#include "tests/read_file.h"
+#include "tests/temporary_folder.h"
+
+namespace pointreel::e2e::video_test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr int kFrames = 10, kGroup = 4;
+
+/// The voxels of a ball that moves, in two colours.
+PointCloud ball(int frame) {
+  PointCloud cloud;
+  const glm::dvec3 center(70.0 + 2.0 * frame, 64.0, 60.0);
+  for (int z = 0; z < 128; ++z) {
+    for (int y = 0; y < 128; ++y) {
+      for (int x = 0; x < 160; ++x) {
+        const glm::dvec3 away = glm::dvec3(x, y, z) - center;
+        if (std::abs(glm::length(away) - 45.0) > 0.6) continue;
+        cloud.positions.emplace_back(x, y, z);
+        cloud.normals.emplace_back(glm::normalize(away));
+        cloud.colors.emplace_back(257 * 200, 257 * (away.y > 0 ? 180 : 40), 257 * 30);
+      }
+    }
+  }
+  return cloud;
+}
+
+class Video : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directory(folder_ / "in");
+    for (int i = 0; i < kFrames; ++i)
+      ASSERT_TRUE(write_ply(folder_ / "in" / (std::to_string(i) + ".ply"), ball(i)));
+    const Outcome packed = pack("reel", {"--group", std::to_string(kGroup), "--segment", "8"});
+    ASSERT_EQ(packed.exit_code, 0) << packed.err;
+  }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  static Outcome server(const std::vector<std::string>& arguments) {
+    return run("pointreel-server", arguments);
+  }
+  Outcome pack(const std::string& reel, const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"pack",    "-i",    path("in"), "-o", path(reel),
+                                       "--codec", "video", "--effort", "2"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return server(arguments);
+  }
+  PointCloud unpacked(const std::string& folder, int frame) const {
+    char name[32];
+    std::snprintf(name, sizeof name, "frame_%05d.ply", frame);
+    const std::string bytes = read_file(fs::path(path(folder)) / name);
+    return read_ply({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}).value();
+  }
+
+ private:
+  const TemporaryFolder folder_;
+};
+
+TEST_F(Video, is_verified_unpacked_cut_and_joined) {
+  EXPECT_EQ(server({"verify", path("reel")}).exit_code, 0);
+  const Manifest manifest = read_manifest(path("reel")).value();
+  EXPECT_EQ(manifest.codec, "video");
+  EXPECT_EQ(manifest.group_frames, std::uint32_t{kGroup});
+  EXPECT_FALSE(manifest.max_error) << "nobody measured it";
+  EXPECT_EQ(nlohmann::json::parse(server({"info", path("reel"), "--json"}).out)["codec"], "video");
+
+  // In the middle of a group, at its end, and the last one, in a segment of two frames.
+  const Outcome done = server({"unpack", "-i", path("reel"), "-o", path("out")});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  for (const int frame : {0, 3, 6, 9}) {
+    const CloudDistance error = cloud_distance(ball(frame), unpacked("out", frame)).value();
+    EXPECT_LT(std::sqrt(error.d1()), 1.0) << frame;
+    EXPECT_GT(color_psnr(*error.colors()).x, 26.0) << frame;
+  }
+  const Outcome base = server({"unpack", "-i", path("reel"), "-o", path("base"), "--layers", "1"});
+  ASSERT_EQ(base.exit_code, 0) << base.err;
+  EXPECT_GT(unpacked("base", 6).size(), 1000u) << "octrees of their own";
+
+  ASSERT_EQ(server({"cut", path("reel"), "-o", path("first"), "--frames", "0-7"}).exit_code, 0);
+  ASSERT_EQ(server({"cut", path("reel"), "-o", path("second"), "--frames", "8-9"}).exit_code, 0);
+  const Outcome joined = server({"join", path("first"), path("second"), "-o", path("joined")});
+  ASSERT_EQ(joined.exit_code, 0) << joined.err;
+  EXPECT_EQ(server({"verify", path("joined")}).exit_code, 0);
+
+  const std::string group = std::to_string(kGroup);
+  ASSERT_EQ(pack("again", {"--group", group, "--segment", "8", "--threads", "1"}).exit_code, 0);
+  const Manifest again = read_manifest(path("again")).value();
+  for (std::size_t i = 0; i < manifest.segments.size(); ++i)
+    EXPECT_EQ(manifest.segments[i].layers[1].checksum, again.segments[i].layers[1].checksum) << i;
+}
+
+TEST_F(Video, plays_and_damage_stays_in_its_group) {
+  const auto play = [](const std::string& reel) {
+    const Outcome all = run("pointreel", {"play", reel, "--renderer", "software", "--offscreen",
+                                          "320x240", "--json", "-"});
+    EXPECT_EQ(all.exit_code, 0) << all.err;
+    return nlohmann::json::parse(all.out);
+  };
+  const auto report = play(path("reel"));
+  EXPECT_EQ(report["errors"], 0);
+  EXPECT_EQ(report["frames_shown"].get<int>() + report["frames_dropped"].get<int>(), kFrames);
+  const Outcome drawn =
+      run("pointreel", {"play", path("reel"), "--renderer", "software", "--offscreen", "400x400",
+                        "--at", "0.2", "--screenshot", path("frame.png")});
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  const Picture picture = read_picture(path("frame.png"));
+  EXPECT_GT(find_hue(picture, {1, 1, 0}).pixels, 2000u) << "the upper half is yellow";
+  EXPECT_GT(find_hue(picture, {1, 0, 0}).pixels, 2000u) << "the lower half is red";
+
+  fs::copy(path("reel"), path("damaged"));
+  const LayerFile file = read_manifest(path("reel")).value().segments[0].layers[1];
+  std::fstream stream(fs::path(path("damaged")) / file.path,
+                      std::ios::in | std::ios::out | std::ios::binary);
+  stream.seekp(static_cast<std::streamoff>(byte_range(file, 5).offset + 60));
+  stream.put('\x5a');
+  stream.close();
+  const Outcome verified = server({"verify", path("damaged")});
+  EXPECT_EQ(verified.exit_code, 1);
+  EXPECT_THAT(verified.out + verified.err, HasSubstr("frame 5"));
+  EXPECT_THAT(verified.out + verified.err, testing::Not(HasSubstr("frame 4")));
+  EXPECT_GT(play(path("damaged"))["errors"].get<int>(), 0);
+}
+
+TEST_F(Video, options_that_do_not_go_together_are_refused) {
+  for (const auto& [options, message] :
+       std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"--bitrate", "2M"}, "--bitrate does not go with --codec video"},
+           {{"--cube", "frame"}, "--cube frame does not go with --codec video"},
+           {{"--voxel", "2"}, "--voxel needs --codec octree"}}) {
+    const Outcome refused = pack("never", options);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.err, HasSubstr(message));
+  }
+  const Outcome octree = server({"pack", "-i", path("in"), "-o", path("never"), "--group", "8"});
+  EXPECT_EQ(octree.exit_code, 2);
+  EXPECT_THAT(octree.err, HasSubstr("--group needs --codec video"));
+}
+
+}  // namespace
+}  // namespace pointreel::e2e::video_test

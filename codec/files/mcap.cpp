@@ -102,6 +102,14 @@ Result<std::size_t> unpack_cut_zstd(ByteView packed, Bytes& bytes) {
   return out.pos;
 }
 
+/// `records`: unpacked. What is left of a chunk that is cut off cannot be checked.
+Result<void> check_sum(const Chunk& chunk, ByteView records) {
+  if (chunk.cut || chunk.checksum == 0 ||
+      crc32_z(0, records.data(), records.size()) == chunk.checksum)
+    return {};
+  return fail("is damaged: its checksum is another");
+}
+
 Result<Bytes> unpack(const Chunk& chunk, ByteView packed) {
   Bytes bytes(static_cast<std::size_t>(chunk.unpacked));
   std::size_t size = 0;
@@ -134,8 +142,7 @@ Result<Bytes> unpack(const Chunk& chunk, ByteView packed) {
   }
   if (size != bytes.size())
     return fail(concat("unpacks to ", size, " bytes, but says ", bytes.size()));
-  if (chunk.checksum != 0 && crc32_z(0, bytes.data(), bytes.size()) != chunk.checksum)
-    return fail("is damaged: its checksum is another");
+  TRY(check_sum(chunk, bytes));
   return bytes;
 }
 
@@ -164,7 +171,8 @@ class McapRecording::Impl {
     const Place& place = places_[message];
     if (place.chunk == kNoChunk) return read_from_file(place, source_.size());
     const Chunk& chunk = chunks_[place.chunk];
-    if (chunk.compression.empty()) {
+    // The bytes of a chunk that fits are checked together.
+    if (chunk.compression.empty() && chunk.packed > most_of_chunk()) {
       Place moved = place;
       if (place.offset > chunk.packed) return fail("is outside of its chunk");
       moved.offset += chunk.begin;
@@ -449,6 +457,9 @@ class McapRecording::Impl {
 
   using SharedChunk = std::shared_ptr<const Bytes>;
 
+  /// The most bytes of memory that a chunk may take.
+  std::uint64_t most_of_chunk() const { return std::min(max_memory_ / kKept, kMaxChunk); }
+
   /// The records of a chunk. The newest few are kept, because the next message is mostly there.
   Result<SharedChunk> unpacked(std::uint32_t index) const {
     {
@@ -459,7 +470,7 @@ class McapRecording::Impl {
     const Chunk& chunk = chunks_[index];
     const std::string where = concat("chunk ", index);
     const bool plain = chunk.compression.empty();
-    const std::uint64_t most = std::min(max_memory_ / kKept, kMaxChunk);
+    const std::uint64_t most = most_of_chunk();
     if (std::max(chunk.packed, plain ? 0 : chunk.unpacked) > most) {
       return fail(ErrorCode::limit,
                   concat(where, ": takes ", std::max(chunk.packed, chunk.unpacked),
@@ -470,7 +481,10 @@ class McapRecording::Impl {
       const ByteView packed =
           TRY(source_.view(chunk.begin, static_cast<std::size_t>(chunk.packed), room));
       if (packed.size() < chunk.packed) return fail("the file has become shorter");
-      if (plain) return std::make_shared<const Bytes>(packed.begin(), packed.end());
+      if (plain) {
+        TRY(check_sum(chunk, packed));
+        return std::make_shared<const Bytes>(packed.begin(), packed.end());
+      }
       return std::make_shared<const Bytes>(TRY(unpack(chunk, packed)));
     });
     if (!made) return fail_at(where, made.error());

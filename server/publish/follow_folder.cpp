@@ -83,7 +83,7 @@ class FolderFollower : public FrameInput {
         const auto* event = reinterpret_cast<const inotify_event*>(events.data() + at);
         at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
         const std::string name = event->len > 0 ? event->name : "";
-        if (event->mask & (IN_DELETE_SELF | IN_MOVE_SELF)) gone_ = true;
+        if (event->mask & (IN_DELETE_SELF | IN_MOVE_SELF | IN_UNMOUNT)) gone_ = true;
         if (!is_of_points(name)) continue;
         // A file that is created will be written; a link is complete.
         if (event->mask & IN_CREATE && !is_link(folder_ / name)) continue;

@@ -180,6 +180,7 @@ TEST(Mcap, each_lie_is_an_error) {
   EXPECT_THAT(chunk("lz4", 100'000), HasSubstr("unpacks to"));
   EXPECT_THAT(chunk("zstd", std::uint64_t{1} << 62), HasSubstr("bytes of memory"));
   EXPECT_THAT(chunk("zstd", 0, false), HasSubstr("checksum"));
+  EXPECT_THAT(chunk("", 0, false), HasSubstr("checksum"));
 
   // Indexes that point elsewhere.
   for (const std::uint64_t offset : {std::uint64_t{0}, std::uint64_t{3}, ~std::uint64_t{0}}) {

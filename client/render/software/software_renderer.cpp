@@ -315,7 +315,9 @@ void SoftwareRenderer::close_surface(const PictureView& view, const ShadingView*
 }
 
 void SoftwareRenderer::present(unsigned framebuffer) {
-  texture_.upload(picture_, drawn_on_);
+  // Where it is enlarged, the filter reads the pixel beside each border of what is copied.
+  const glm::ivec2 size = picture_.grid.size;
+  texture_.upload(picture_, {glm::max(drawn_on_.min - 1, 0), glm::min(drawn_on_.max + 1, size)});
   // The bytes are copied without conversion.
   glDisable(GL_FRAMEBUFFER_SRGB);
   glDisable(GL_SCISSOR_TEST);
@@ -323,7 +325,6 @@ void SoftwareRenderer::present(unsigned framebuffer) {
   glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, background.data());
   if (drawn_on_.empty()) return;
   const auto [from, to] = drawn_on_;
-  const glm::ivec2 size = picture_.grid.size;
   const glm::ivec2 shown_from = from * shown_ / size, shown_to = to * shown_ / size;
   glBlitNamedFramebuffer(texture_.framebuffer(), framebuffer, from.x, from.y, to.x, to.y,
                          shown_from.x, shown_from.y, shown_to.x, shown_to.y, GL_COLOR_BUFFER_BIT,

@@ -82,7 +82,7 @@ class OffscreenPlayer {
     stage.on_ready = [this] { bell_.ring(); };
     Opening opening(
         options_.sources, std::move(stage),
-        [this](const Box& bounds, char up) { return first_camera(options_, bounds, up, size_); },
+        [this](const Box& bounds, Up up) { return first_camera(options_, bounds, up, size_); },
         [this](std::size_t source, std::uint32_t frame, const Error& error) {
           const auto& sources = options_.sources;
           errors_.print(source, sources.size() > 1 ? sources[source].where + ": " : "", frame,

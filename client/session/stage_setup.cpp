@@ -85,7 +85,7 @@ Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& b
   return options.camera_path ? options.camera_path->at(time_us, camera) : camera;
 }
 
-Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm::ivec2 size) {
+Camera first_camera(const PlayOptions& options, const Box& bounds, Up up, glm::ivec2 size) {
   return camera_at(options, start_us(options), bounds, options.settings.up.value_or(up), size);
 }
 

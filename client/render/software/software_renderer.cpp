@@ -137,8 +137,10 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
   shown_ = shown;
   background_ = options.background;
   const bool late = is_shaded_late(options);
-  const PictureView view = make_view(camera, instances_.origin(), size, options.lighting && !late,
-                                     instances_.normals_estimated());
+  const PictureView view =
+      make_view(camera, instances_.origin(), size,
+                light_strength(options.lighting && !late, instances_.colored()),
+                instances_.normals_estimated());
   const PixelRect region = elements_region(options, instances_.bounds(), view.to_clip, size);
   drawn_on_ = options.floor ? PixelRect{glm::ivec2(0), size} : region;
 
@@ -156,7 +158,7 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
   }
   const auto floor = [&] {
     draw_floor(*options.floor, camera,
-               make_view(camera, floor_origin(*options.floor), size, options.lighting, false),
+               make_view(camera, floor_origin(*options.floor), size, 0.0f, false),
                options.background, picture_);
     if (shading && options.light != Light::flat)
       ScreenShading::shade_floor(*shading, shadow_, view, executor_, picture_);

@@ -21,21 +21,29 @@ glm::vec3 known_normal(const Instance& one, const glm::vec3& from_eye, const Pic
   return view.pixel.y > 0.5f && glm::dot(n, from_eye) > 0.0f ? -n : n;
 }
 
-/// The normal of an element that a pixel shows. `face`: the axis across the face of a voxel.
-glm::vec3 shown_normal(const Instance& one, bool is_cube, std::uint32_t face,
-                       const PictureView& view) {
+/// How far the light tells the faces of a cube apart (voxel.glsl).
+float sides_of(const glm::vec3& center, float half, const PictureView& view) {
+  const float w = (view.to_clip * glm::vec4(center, 1.0f)).w;
+  return glm::smoothstep(2.0f, 8.0f, 2.0f * half / (view.pixel.x * std::max(w, view.eye.w)));
+}
+
+/// The normal of an element that a pixel shows, and the light on it.
+struct Shown {
+  glm::vec3 normal;
+  float light;
+};
+
+/// `face`: the axis across the face of a voxel.
+Shown shown_of(const Instance& one, bool is_cube, std::uint32_t face, const PictureView& view) {
   const glm::vec3 from_eye = one.center - glm::vec3(view.eye);
   glm::vec3 normal = known_normal(one, from_eye, view);
-  if (normal == glm::vec3(0.0f)) {
-    if (is_cube) {
-      const int axis = static_cast<int>(face);
-      normal[axis] = from_eye[axis] <= 0.0f ? 1.0f : -1.0f;
-    } else {
-      const float away = glm::length(from_eye);
-      normal = away > 0.0f ? -from_eye / away : glm::vec3(view.light);
-    }
-  }
-  return normal;
+  if (normal != glm::vec3(0.0f)) return {normal, light_on(normal, view)};
+  const float away = glm::length(from_eye);
+  const glm::vec3 to_eye = away > 0.0f ? -from_eye / away : glm::vec3(view.light);
+  if (!is_cube) return {to_eye, light_on(to_eye, view)};
+  const int axis = static_cast<int>(face);
+  normal[axis] = from_eye[axis] <= 0.0f ? 1.0f : -1.0f;
+  return {normal, light_on(glm::mix(to_eye, normal, sides_of(one.center, one.radius, view)), view)};
 }
 
 std::int16_t bounded(float v, float most) {
@@ -270,8 +278,9 @@ void Solids::draw(std::span<const Instance> instances, bool cubes, PointSizes si
           const std::size_t instance = cubes ? blocks_[block].cubes[in_block].instance
                                              : blocks_[block].squares[in_block].instance;
           const Instance& shown = instances[block * kBlock + instance];
-          normal = shown_normal(shown, cubes, number & 3u, view);
-          color = srgb.encode(color_of_instance(shown) * light_on(normal, view), kDrawn);
+          const Shown face = shown_of(shown, cubes, number & 3u, view);
+          normal = face.normal;
+          color = srgb.encode(color_of_instance(shown) * face.light, kDrawn);
         }
         if (!picture.normals.empty()) picture.normals[pixel] = normal;
         picture.colors[pixel] = color;

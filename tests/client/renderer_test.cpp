@@ -194,6 +194,19 @@ TEST_P(RendererTest, lights_voxels_of_few_pixels_as_the_surface_that_they_are_of
   EXPECT_GT(drawn, 150u);
 }
 
+TEST_P(RendererTest, shows_the_closest_of_points_that_overlap) {
+  PointCloud cloud;
+  add(cloud, {-0.1f, 0.0f, 0.0f}, kFront, kRed, 0.2f);
+  add(cloud, {0.1f, 0.0f, 0.001f}, kFront, kGreen, 0.2f);
+  DrawOptions options = plain(DrawMode::point);
+  options.adaptive_points = true;
+  const Image image = picture(frame_of(cloud), front_camera(), options);
+  const glm::ivec2 left = pixel_of(front_camera(), {-0.05, 0.0, 0.0}),
+                   right = pixel_of(front_camera(), {0.05, 0.0, 0.0});
+  EXPECT_LE(difference(image.at(left.x, left.y), {255, 0, 0}), 2);
+  EXPECT_LE(difference(image.at(right.x, right.y), {0, 255, 0}), 2);
+}
+
 TEST_P(RendererTest, draws_an_isolated_surfel_as_a_disc_of_its_radius_and_orientation) {
   DrawOptions options = plain(DrawMode::surfel);
   options.scales = {1.0f, 1.0f};

@@ -43,7 +43,7 @@ GlRenderer::GlRenderer()
     : point_({{GL_VERTEX_SHADER,
                {"instancing/shaders/instance.glsl", "instancing/attribute/fetch.glsl",
                 "shaders/point.vert.glsl"}},
-              {GL_FRAGMENT_SHADER, {"shaders/flat.frag.glsl"}}}),
+              {GL_FRAGMENT_SHADER, {"shaders/point.frag.glsl"}}}),
       points_(make_instance_array(0)),
       view_buffer_(gl::Buffer::create()) {
   glNamedBufferStorage(view_buffer_.name(), sizeof(PictureView), nullptr, GL_DYNAMIC_STORAGE_BIT);

@@ -94,7 +94,7 @@ class Solids::Setup {
         std::clamp(2.0f * point.radius / (view_.pixel.x * w), sizes.least, sizes.most);
     const TileRect rect =
         pixels_between(at - 0.5f * size, at + 0.5f * size, 0.0f, glm::vec2(view_.window));
-    if (!is_empty(rect)) block.squares.push_back({view_.eye.w / w, rect, number});
+    if (!is_empty(rect)) block.squares.push_back({at, w, 0.5f * size, rect, number});
   }
 
   void add_cube(const Instance& voxel, std::uint16_t number, Block& block) const {
@@ -135,7 +135,7 @@ class Solids::Setup {
   glm::vec3 right_, up_, forward_, shift_;
 };
 
-void Solids::draw_squares(std::uint32_t block, int tile, Tile& to) const {
+void Solids::draw_squares(std::uint32_t block, int tile, const PictureView& view, Tile& to) const {
   const Block& from = blocks_[block];
   for (const std::uint16_t* i = from.bins.begin(tile); i != from.bins.end(tile); ++i) {
     const Square& square = from.squares[*i];
@@ -143,13 +143,20 @@ void Solids::draw_squares(std::uint32_t block, int tile, Tile& to) const {
               x1 = std::min<int>(square.rect.x1, to.pixels.max.x) - to.pixels.min.x,
               y0 = std::max<int>(square.rect.y0, to.pixels.min.y) - to.pixels.min.y,
               y1 = std::min<int>(square.rect.y1, to.pixels.max.y) - to.pixels.min.y;
-    for (int y = y0; y < y1; ++y)
+    // The depth grows with the square of the distance from the middle.
+    const glm::vec2 first = glm::vec2(to.pixels.min) + 0.5f - square.middle;
+    const float fall = view.pixel.x * square.depth / square.half;
+    for (int y = y0; y < y1; ++y) {
+      const float dy = first.y + static_cast<float>(y);
       for (int x = x0; x < x1; ++x) {
         const auto at = static_cast<std::size_t>(y * kTileStride + x);
-        if (!(square.depth > to.depth[at])) continue;
-        to.depth[at] = square.depth;
+        const float dx = first.x + static_cast<float>(x);
+        const float depth = view.eye.w / (square.depth + fall * (dx * dx + dy * dy));
+        if (!(depth > to.depth[at])) continue;
+        to.depth[at] = depth;
         to.elements[at] = element(block, *i);
       }
+    }
   }
 }
 
@@ -257,7 +264,7 @@ void Solids::draw(std::span<const Instance> instances, bool cubes, PointSizes si
         any = true;
       }
       const auto block = static_cast<std::uint32_t>(i);
-      cubes ? draw_cubes(block, tile, view, to) : draw_squares(block, tile, to);
+      cubes ? draw_cubes(block, tile, view, to) : draw_squares(block, tile, view, to);
     }
     if (!any) return;
     picture.busy[static_cast<std::size_t>(tile)] = 1;

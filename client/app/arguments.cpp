@@ -62,4 +62,13 @@ Result<glm::dvec3> parse_position(const std::string& text) {
   return glm::dvec3(position[0], position[1], position[2]);
 }
 
+Result<Target> parse_target(const std::string& text) {
+  for (const auto& [name, height] : {std::pair("feet", 0.05), {"middle", 0.5}, {"head", 0.92}})
+    if (text == name) return height;
+  if (const auto position = parse_position(text)) return *position;
+  return fail(
+      ErrorCode::argument,
+      fmt::format("\"{}\" is neither a point such as -0.5,0,1.5 nor feet, middle or head", text));
+}
+
 }  // namespace pointreel

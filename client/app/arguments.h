@@ -19,11 +19,13 @@ using CameraArgument = std::variant<View, CameraPath>;
 /// with a camera path, which is read.
 Result<CameraArgument> parse_camera(const std::string& text);
 
-/// "X,Y,Z", each within +-1e9.
 /// Two finite numbers, the first less than the second: "0,255".
 Result<glm::dvec2> parse_interval(const std::string& text);
 /// What --color says: an entry of the option table, or the name of a scalar field.
 Result<void> set_color(const std::string& text, Settings& settings);
+/// "X,Y,Z", each within +-1e9.
 Result<glm::dvec3> parse_position(const std::string& text);
+/// A position, or "feet", "middle" or "head".
+Result<Target> parse_target(const std::string& text);
 
 }  // namespace pointreel

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -82,7 +83,7 @@ class OffscreenPlayer {
     stage.on_ready = [this] { bell_.ring(); };
     Opening opening(
         options_.sources, std::move(stage),
-        [this](const Box& bounds, char up) { return first_camera(options_, bounds, up, size_); },
+        [this](const Box& bounds, Up up) { return first_camera(options_, bounds, up, size_); },
         [this](std::size_t source, std::uint32_t frame, const Error& error) {
           const auto& sources = options_.sources;
           errors_.print(source, sources.size() > 1 ? sources[source].where + ": " : "", frame,
@@ -134,6 +135,7 @@ class OffscreenPlayer {
   bool look(const Camera& camera) {
     if (camera == camera_) return false;
     camera_ = camera;
+    kept_.clear();
     stage_->look(camera_, size_);
     return true;
   }
@@ -174,7 +176,11 @@ class OffscreenPlayer {
         while (has_new_view() && look(camera_at(picture.reel_time_us)) &&
                await(reel, picture.frame) == FrameBuffer::State::ready)
           changes = stage_->take(0, reel.best());
-        TRY(draw(changes));
+        shown_frame_ = picture.frame;
+        if (kept_.contains(picture.frame))
+          presenter_->repeat(*stage_, changes);
+        else
+          TRY(draw(changes));
       } else {
         ++lost_;  // the last picture stays
       }
@@ -268,7 +274,22 @@ class OffscreenPlayer {
   Result<void> record(std::uint64_t time_us) {
     if (!recorder_ || !presenter_->shown()) return {};
     if (!first_recorded_us_) first_recorded_us_ = time_us;
-    return recorder_->add(TRY(presenter_->painter().picture()), time_us - *first_recorded_us_);
+    time_us -= *first_recorded_us_;
+    if (const auto kept = kept_.find(shown_frame_); kept != kept_.end())
+      return recorder_->add(kept->second, time_us);
+    Image picture = TRY(presenter_->painter().picture());
+    TRY(recorder_->add(picture, time_us));
+    if (repeats() && kept_.size() < most_kept(picture))
+      kept_.emplace(shown_frame_, std::move(picture));
+    return {};
+  }
+
+  /// Whether frames are shown again, and look the same.
+  bool repeats() const {
+    return plays_every_frame() && options_.settings.loop.value_or(false) && !options_.camera_path;
+  }
+  std::size_t most_kept(const Image& picture) const {
+    return (options_.cache << 20) / (sizeof(picture.pixels[0]) * picture.pixels.size());
   }
 
   /// The last picture is shown until `end_us`, on the clock of record().
@@ -276,8 +297,10 @@ class OffscreenPlayer {
     if (!presenter_->shown() && stop_.stop_requested()) return {};
     if (!presenter_->shown()) return tl::unexpected(nothing_shown(options_));
     if (recorder_) TRY(recorder_->finish(end_us - first_recorded_us_.value_or(end_us)));
-    if (!options_.screenshot.empty()) TRY(presenter_->painter().write(options_.screenshot));
-    return {};
+    if (options_.screenshot.empty()) return {};
+    const auto kept = kept_.find(shown_frame_);
+    return kept != kept_.end() ? write_png(options_.screenshot, kept->second)
+                               : presenter_->painter().write(options_.screenshot);
   }
 
   const PlayOptions& options_;
@@ -297,6 +320,9 @@ class OffscreenPlayer {
   std::uint64_t lost_ = 0;        ///< broken frames that were skipped
   std::unique_ptr<Recorder> recorder_;
   std::optional<std::uint64_t> first_recorded_us_;
+  std::uint32_t shown_frame_ = 0;  ///< while every frame is played
+  /// Recorded pictures of frames that will be shown again, and are then not drawn again.
+  std::map<std::uint32_t, Image> kept_;
 };
 
 }  // namespace

@@ -30,7 +30,7 @@ Result<void> check_folder_of(const std::string& file) {
 }
 
 constexpr Range kPictureSide{1, kMaxImageSide}, kFps{0.01, 1000.0}, kSeconds{0.0, 1e9},
-    kForward{kMinSpeed, kMaxSpeed}, kBackward{-kMaxSpeed, -kMinSpeed};
+    kZoom{0.01, 1000.0}, kForward{kMinSpeed, kMaxSpeed}, kBackward{-kMaxSpeed, -kMinSpeed};
 constexpr int kMaxLayers = 255, kMaxSupersample = 4, kMostCache = 1 << 20;
 
 cli::Check within(const Range& range) {
@@ -234,6 +234,21 @@ void PlayCommand::add_playback(cli::Command command) {
       .check(cli::parsed_by(parse_camera))
       .type_name("VIEW")
       .group(group);
+  command
+      .add_option(
+          "--target", target_,
+          "What is in the middle of the picture: a point, or feet, middle or head, which are "
+          "heights of the scene (default: middle)")
+      .check(cli::parsed_by(parse_target))
+      .type_name("X,Y,Z|NAME")
+      .group(group);
+  command
+      .add_option("--zoom", options_.zoom,
+                  "How many times larger the scene is shown than as a whole, such as 4 for a close "
+                  "view with --target")
+      .check(within(kZoom))
+      .type_name("NUMBER")
+      .group(group);
 }
 
 void PlayCommand::add_settings(cli::Command command) {
@@ -355,6 +370,7 @@ Result<PlayOptions> PlayCommand::options() const {
     if (const View* view = std::get_if<View>(&camera)) options.view = *view;
     if (CameraPath* path = std::get_if<CameraPath>(&camera)) options.camera_path = std::move(*path);
   }
+  if (!target_.empty()) options.target = TRY(parse_target(target_));
   if (!options.record.empty() && !options.offscreen)
     return fail(ErrorCode::argument, "--record needs --offscreen WIDTHxHEIGHT");
   // These files are written at the end, which may be hours away.

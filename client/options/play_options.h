@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -19,6 +20,10 @@ struct View {
   double yaw = 0.0;
   double pitch = 0.0;
 };
+
+/// What is in the middle of the picture: a point, or what is at a height of the scene, as a share
+/// of its own height.
+using Target = std::variant<glm::dvec3, double>;
 
 /// Everything that `pointreel play` can be told. The command line has checked that values are in
 /// range and go together.
@@ -44,6 +49,8 @@ struct PlayOptions {
   std::optional<double> at;               ///< seconds
   std::optional<double> duration;         ///< seconds; of a reel drawn offscreen, of its own time
   std::optional<View> view;               ///< default: that of Camera::frame_bounds
+  std::optional<Target> target;           ///< default: the middle of the scene
+  double zoom = 1.0;                      ///< how much larger than as a whole the scene is shown
   std::optional<CameraPath> camera_path;  ///< in place of a view
   int supersample = 1;  ///< pictures that are written are drawn this many times as wide and high
   std::string screenshot, record, json;  ///< paths of files to write; empty: none

@@ -8,7 +8,7 @@
 #include "client/prepare/prepare.h"
 #include "client/scene/draw_options.h"
 #include "client/scene/renderer_choice.h"
-#include "client/scene/up.h"
+#include "pointreel/up.h"
 
 namespace pointreel {
 

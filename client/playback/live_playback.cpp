@@ -46,7 +46,7 @@ LivePlayback::~LivePlayback() {
   for (std::thread& thread : preparers_) thread.join();
 }
 
-char LivePlayback::up() const {
+Up LivePlayback::up() const {
   const std::lock_guard lock(mutex_);
   return stream_.up;
 }

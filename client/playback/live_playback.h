@@ -40,7 +40,7 @@ class LivePlayback : public Playback {
   ~LivePlayback() override;
 
   const std::string& name() const override { return name_; }
-  char up() const override;
+  Up up() const override;
   double frame_seconds() const override;
   Box bounds() const override;
   std::vector<ScalarRange> scalars() const override;

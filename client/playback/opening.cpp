@@ -124,7 +124,7 @@ Opening::Opening(std::vector<Stage::Placed> sources, Stage::Options options,
   auto open = [shared = shared_, sources = std::move(sources), options = std::move(options)] {
     Opened opened = Stage::open(
         sources, options,
-        [&shared](const Box& bounds, char up) {
+        [&shared](const Box& bounds, Up up) {
           const std::lock_guard lock(shared->calling);
           return shared->given_up ? Camera{} : shared->camera_for(bounds, up);
         },

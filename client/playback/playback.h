@@ -38,7 +38,7 @@ class Playback {
   virtual ~Playback() = default;
 
   virtual const std::string& name() const = 0;
-  virtual char up() const = 0;  ///< the axis that points up, 'y' or 'z'
+  virtual Up up() const = 0;
   /// The nominal time between two frames at the current speed, > 0.
   virtual double frame_seconds() const = 0;
   /// The bounds of all frames, as far as they are known; empty while nothing is known.

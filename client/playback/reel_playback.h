@@ -52,7 +52,7 @@ class ReelPlayback : public Playback {
   const Timeline& timeline() const { return clock_.timeline(); }
 
   const std::string& name() const override { return manifest().name; }
-  char up() const override { return manifest().up; }
+  Up up() const override { return manifest().up; }
   double frame_seconds() const override;
   Box bounds() const override { return manifest().bounds; }
   std::vector<ScalarRange> scalars() const override { return manifest().scalars; }

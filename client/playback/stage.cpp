@@ -110,7 +110,7 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
   const auto first_reel =
       std::find_if(reels.begin(), reels.end(), [](const auto& reel) { return reel != nullptr; });
   const Camera camera =
-      camera_for(bounds, first_reel != reels.end() ? (*first_reel)->manifest().up : 'y');
+      camera_for(bounds, first_reel != reels.end() ? (*first_reel)->manifest().up : Up('y'));
 
   auto stage = std::make_unique<Stage>();
   stage->prepare_ = options.prepare;

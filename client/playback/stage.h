@@ -44,7 +44,7 @@ class Stage {
   using OnError = std::function<void(std::size_t source, std::uint32_t frame, const Error&)>;
 
   /// The camera to begin with, for a scene with these bounds and this axis up.
-  using CameraFor = std::function<Camera(const Box& bounds, char up)>;
+  using CameraFor = std::function<Camera(const Box& bounds, Up up)>;
 
   /// Opens all sources; there must be at least one. Live streams connect in the background.
   static Result<std::unique_ptr<Stage>> open(const std::vector<Placed>& sources,
@@ -70,7 +70,7 @@ class Stage {
   std::size_t view_version() const;
   /// The names of all sources' scalar fields, as far as they are known, without repetition.
   std::vector<std::string> scalar_names() const;
-  char up() const { return parts_.front().playback().up(); }
+  Up up() const { return parts_.front().playback().up(); }
   bool playing() const;
   /// The shortest time between two frames of any source.
   double frame_seconds() const;

@@ -30,7 +30,7 @@ inline constexpr float kGap = 6.5f;
 /// Edge of the finest squares of means, in pixels.
 inline constexpr int kFinest = 4;
 /// A hole that is farther from all colours than the picture's height divided by this is not filled.
-inline constexpr int kFarthest = 8;
+inline constexpr int kFarthest = 2;
 
 /// One in this many surfels keeps its back.
 inline std::uint32_t one_back_in(std::size_t surfels) {

@@ -106,6 +106,11 @@ std::size_t pack(std::size_t count, bool keeps_all, const Keeps& keeps, const Ma
 
 }  // namespace
 
+bool shows_own_colors(const SceneFrame& frame, ColorSource color) {
+  return color == ColorSource::colors && !frame.scalar &&
+         (frame.cloud.has_colors() || !frame.attributes.colors.empty());
+}
+
 glm::u16vec3 fake_color(const glm::i16vec4& normal) {
   return glm::u16vec3(glm::ivec3(normal) + 32767);
 }

@@ -17,6 +17,9 @@
 
 namespace pointreel {
 
+/// Whether elements of a frame are drawn in colours that its source has.
+bool shows_own_colors(const SceneFrame& frame, ColorSource color);
+
 /// The colour of an element with ColorSource::normals: 0.5 + 0.5 n, read as sRGB, and middle grey
 /// if the normal is unknown. Slomp et al., Geometry Instancing, section III only says that its fake
 /// colour is "based on their normal vectors".

@@ -55,7 +55,7 @@ Result<void> SceneInstances::update(const Scene& scene, const Camera& camera, gl
 void SceneInstances::cut(const Scene& scene) {
   const auto start = std::chrono::steady_clock::now();
   bool any = false;
-  normals_estimated_ = false;
+  normals_estimated_ = colored_ = false;
   parts_.resize(scene.size());
   for (std::size_t i = 0; i < scene.size(); ++i) {
     Part& part = parts_[i];
@@ -77,6 +77,7 @@ void SceneInstances::cut(const Scene& scene) {
     }
     part.most = part.refinement.surfels().size();
     normals_estimated_ = normals_estimated_ || frame->normals_estimated;
+    colored_ = colored_ || shows_own_colors(*frame, style_.color);
     part.is_tree = style_.mode == DrawMode::voxel || frame->cloud.empty();
     if (!part.is_tree) {
       part.most += frame->cloud.size();

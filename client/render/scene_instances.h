@@ -44,6 +44,8 @@ class SceneInstances {
   const glm::dvec3& origin() const { return origin_; }
   /// Whether the signs of some frame's normals are unknown.
   bool normals_estimated() const { return normals_estimated_; }
+  /// Whether some frame is shown in colours of its own, which have light in them already.
+  bool colored() const { return colored_; }
   const Stats& stats() const { return stats_; }
 
  private:
@@ -73,7 +75,7 @@ class SceneInstances {
   std::vector<Part> parts_;
   InstanceBounds bounds_;
   glm::dvec3 origin_{0.0};
-  bool normals_estimated_ = false;
+  bool normals_estimated_ = false, colored_ = false;
   Stats stats_;
 };
 

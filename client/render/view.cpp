@@ -19,13 +19,13 @@ constexpr float kCubeCorner = 1.7321f;
 
 }  // namespace
 
-PictureView make_view(const Camera& camera, const glm::dvec3& origin, glm::ivec2 size,
-                      bool lighting, bool signs_unknown) {
+PictureView make_view(const Camera& camera, const glm::dvec3& origin, glm::ivec2 size, float light,
+                      bool signs_unknown) {
   const glm::dmat3 axes = camera.axes();
   const double slope = std::tan(0.5 * camera.fov_y), step = 2.0 * slope / size.y;
   return {camera.projection(static_cast<double>(size.x) / size.y) * camera.view_from(origin),
           glm::vec4(glm::vec3(camera.eye() - origin), static_cast<float>(camera.near_plane())),
-          glm::vec4(glm::vec3(axes * kLight), lighting ? 1.0f : 0.0f),
+          glm::vec4(glm::vec3(axes * kLight), light),
           glm::vec4(static_cast<float>(step), signs_unknown ? 1.0f : 0.0f, 0.0f, 0.0f),
           glm::vec4(glm::vec3(-axes[2] - 0.5 * step * size.x * axes[0] - slope * axes[1]), 0.0f),
           glm::vec4(glm::vec3(step * axes[0]), 0.0f),

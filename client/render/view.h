@@ -14,8 +14,8 @@ namespace pointreel {
 struct PictureView {
   glm::mat4 to_clip;  ///< from the scene to clip coordinates, with reversed depth; w is the depth
   glm::vec4 eye;      ///< xyz: position in the scene; w: distance of the near plane
-  glm::vec4 light;    ///< xyz: unit vector towards the light; w: 1 with lighting, 0 without, and
-                      ///< kShowNormals to draw 0.5 + 0.5 n in place of colours
+  glm::vec4 light;    ///< xyz: unit vector towards the light; w: light_strength, or kShowNormals to
+                      ///< draw 0.5 + 0.5 n in place of colours
   glm::vec4 pixel;    ///< x: size of a pixel at depth 1; y: 1 if the signs of normals are unknown
   /// The ray from the eye through window coordinates (x, y), counted from the lower left corner, is
   /// ray_corner + x ray_x + y ray_y (xyz). It reaches depth 1.
@@ -26,8 +26,14 @@ struct PictureView {
 /// For `light.w`: sums of this find the normals of pixels (opengl/late_light.h).
 inline constexpr float kShowNormals = 2.0f;
 
-PictureView make_view(const Camera& camera, const glm::dvec3& origin, glm::ivec2 size,
-                      bool lighting, bool signs_unknown);
+/// How much of the colours the light takes where it does not shine: 0 without lighting. Colours
+/// that a camera recorded have light in them already, and need little to show shape.
+inline float light_strength(bool lighting, bool colored) {
+  return lighting ? (colored ? 0.3f : 1.0f) : 0.0f;
+}
+
+PictureView make_view(const Camera& camera, const glm::dvec3& origin, glm::ivec2 size, float light,
+                      bool signs_unknown);
 
 /// The factors by which the two passes of splatting multiply radii. `chosen` are those for
 /// Splatting::normalized. FORMULAS.md, "Splat scales".

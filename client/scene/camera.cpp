@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kHighestPitch = 1.553;  // 89 degrees
 constexpr double kFrontPitch = 0.15;     // "slightly from above"
-constexpr double kMargin = 1.1;
+constexpr double kMargin = 1.04;
 constexpr double kNearest = 1e-3, kFarthest = 1e3;  // of the scene's radius
 
 }  // namespace

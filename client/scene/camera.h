@@ -2,8 +2,8 @@
 
 #include <glm/glm.hpp>
 
-#include "client/scene/up.h"
 #include "pointreel/geometry.h"
+#include "pointreel/up.h"
 
 namespace pointreel {
 

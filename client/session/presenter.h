@@ -43,6 +43,10 @@ class Presenter {
   /// drawn coarser than asked if there is no time for all of it (Draft).
   Result<void> draw(const Stage& stage, const std::vector<Stage::Change>& changes,
                     const Shot& shot);
+  /// Counts pictures of `changes` as shown, which whoever calls has kept and are not drawn again.
+  void repeat(const Stage& stage, const std::vector<Stage::Change>& changes) {
+    for (const Stage::Change& change : changes) add_to_report(stage, change);
+  }
   /// Whether the last picture was drawn for this shot, however coarse.
   bool shows(const Shot& shot) const;
   /// Whether the last picture was drawn coarser, or with fewer surfels, than it would be without

@@ -82,10 +82,15 @@ Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& b
     camera.yaw = camera.pitch = 0.0;
     camera.orbit(options.view->yaw, options.view->pitch);
   }
+  if (const auto* point = options.target ? std::get_if<glm::dvec3>(&*options.target) : nullptr)
+    camera.target = *point;
+  if (const auto* height = options.target ? std::get_if<double>(&*options.target) : nullptr)
+    camera.target += (*height - 0.5) * bounds.extent()[up.axis()] * up.direction();
+  camera.zoom(1.0 / options.zoom);
   return options.camera_path ? options.camera_path->at(time_us, camera) : camera;
 }
 
-Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm::ivec2 size) {
+Camera first_camera(const PlayOptions& options, const Box& bounds, Up up, glm::ivec2 size) {
   return camera_at(options, start_us(options), bounds, options.settings.up.value_or(up), size);
 }
 

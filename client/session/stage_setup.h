@@ -37,7 +37,7 @@ Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& b
                  glm::ivec2 size);
 /// The same at the time at which playback begins. `up` is what the package says; the settings take
 /// precedence over it.
-Camera first_camera(const PlayOptions& options, const Box& bounds, char up, glm::ivec2 size);
+Camera first_camera(const PlayOptions& options, const Box& bounds, Up up, glm::ivec2 size);
 
 /// Fails if no source has the scalar field that the settings name, and names those that there are.
 /// Live streams may have it later.

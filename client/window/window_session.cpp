@@ -51,9 +51,7 @@ void WindowSession::open(std::vector<Stage::Placed> sources, const Settings& set
   stage.source.sound = options.audio;
   opening_.emplace(
       opened_, std::move(stage),
-      [options, size](const Box& bounds, char up) {
-        return first_camera(options, bounds, up, size);
-      },
+      [options, size](const Box& bounds, Up up) { return first_camera(options, bounds, up, size); },
       [this, sources = opened_](std::size_t source, std::uint32_t frame, const Error& error) {
         errors_.broken(source, sources.size() > 1 ? sources[source].where + ": " : "", frame,
                        error);

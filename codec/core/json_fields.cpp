@@ -157,8 +157,11 @@ void read_reel_head(Fields& fields, ReelHead& head) {
   if (fields.has("group_frames"))
     head.group_frames = static_cast<std::uint32_t>(fields.integer("group_frames", 0xffffffffu));
   head.fps = fields.number("fps");
-  const std::string up = fields.text("up");
-  head.up = up.size() == 1 ? up.front() : '\0';
+  if (const auto up = parse_up(fields.text("up"))) {
+    head.up = *up;
+  } else {
+    fields.refuse("up", concat("is not one of ", kUpNames));
+  }
   head.colors = fields.boolean("colors");
   head.normals = fields.boolean("normals");
   if (fields.has("scalars")) {

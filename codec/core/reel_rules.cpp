@@ -152,7 +152,6 @@ Result<void> check_head(const ReelHead& head) {
     return fail("entropy: is given, but this codec has none");
   }
   if (!is_frame_rate(head.fps)) return fail("fps: is not a number from 0.000001 to 1000000");
-  if (head.up != 'y' && head.up != 'z') return fail("up: is neither \"y\" nor \"z\"");
   TRY(check_scalar_ranges(head.scalars));
   TRY(check_layer_names(head.layer_names));
   return check_group(head);

@@ -386,14 +386,14 @@ Result<CloudBytes> fetch_cloud_frame(const CloudFrame& frame, std::uint64_t max_
   return fetched;
 }
 
-std::optional<char> up_of_file(const fs::path& path) {
+std::optional<Up> up_of_file(const fs::path& path) {
   const auto source = ByteSource::open(path);
   if (!source) return std::nullopt;
   const auto format = format_of_file(*source, path);
   return format ? up_of(*format) : std::nullopt;
 }
 
-std::optional<char> up_of_frame(const CloudFrame& frame) {
+std::optional<Up> up_of_frame(const CloudFrame& frame) {
   return frame.recording == nullptr ? up_of_file(frame.file) : up_of(frame.recording->format());
 }
 

@@ -15,6 +15,7 @@
 #include "pointreel/cloud.h"
 #include "pointreel/codec.h"
 #include "pointreel/error.h"
+#include "pointreel/up.h"
 
 namespace pointreel {
 
@@ -121,8 +122,8 @@ struct CloudBytes {
 /// At most `max_bytes`. The error begins with the frame's name.
 Result<CloudBytes> fetch_cloud_frame(const CloudFrame& frame, std::uint64_t max_bytes);
 
-/// The axis that points up in a file by its format, 'y' or 'z'; nothing if that does not tell.
-std::optional<char> up_of_file(const std::filesystem::path& path);
-std::optional<char> up_of_frame(const CloudFrame& frame);
+/// The axis that points up in a file by its format; nothing if that does not tell.
+std::optional<Up> up_of_file(const std::filesystem::path& path);
+std::optional<Up> up_of_frame(const CloudFrame& frame);
 
 }  // namespace pointreel

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "pointreel/bytes.h"
+#include "pointreel/up.h"
 
 /// The formats of files of points: their names, and how they are recognised.
 namespace pointreel {
@@ -40,8 +41,8 @@ enum class Likely : std::uint8_t {
 };
 Likely is_cloud_name(std::string_view name);
 
-/// The axis that points up in all files of a format, 'y' or 'z'; nothing if it differs.
-std::optional<char> up_of(CloudFormat format);
+/// The axis that points up in all files of a format; nothing if it differs.
+std::optional<Up> up_of(CloudFormat format);
 
 /// Whether points without a position are usual in files of that format: they were not measured.
 bool has_empty_points(CloudFormat format);

@@ -100,7 +100,7 @@ struct Row {
   std::array<std::string_view, 2> begins;  ///< what files begin with
   Likely by_name;                          ///< for names with these endings
   Read read;
-  char up = '\0';
+  std::optional<Up> up = {};
   bool empty_points = false;
 };
 
@@ -222,10 +222,9 @@ Likely is_cloud_name(std::string_view name) {
   return sure ? Likely::yes : row->by_name;
 }
 
-std::optional<char> up_of(CloudFormat format) {
+std::optional<Up> up_of(CloudFormat format) {
   const Row* row = find(format);
-  if (row == nullptr || row->up == '\0') return std::nullopt;
-  return row->up;
+  return row != nullptr ? row->up : std::nullopt;
 }
 
 bool has_empty_points(CloudFormat format) {

@@ -39,6 +39,14 @@ std::uint16_t linear_of(std::uint16_t srgb) {
 
 ordered_json vector_json(const auto& v) { return {v.x, v.y, v.z}; }
 
+/// The quaternion x, y, z, w of the turn after which `up` points along y, as glTF wants it.
+ordered_json rotation_to_y(Up up) {
+  if (up.axis() == 1) return {up.reversed() ? 1.0 : 0.0, 0.0, 0.0, up.reversed() ? 0.0 : 1.0};
+  const double half = std::sqrt(0.5), way = up.reversed() ? -half : half;
+  if (up.axis() == 0) return {0.0, 0.0, way, half};
+  return {-way, 0.0, 0.0, half};
+}
+
 }  // namespace
 
 /// The JSON of a file, and the binary data that is not in meshes.
@@ -49,8 +57,7 @@ class GlbWriter::Document {
     json_["scene"] = 0;
     json_["scenes"] = {{{"name", writer.name_}, {"nodes", {0}}}};
     root_ = {{"name", writer.name_}};
-    // A quarter turn about x.
-    if (writer.up_ == 'z') root_["rotation"] = {-std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5)};
+    if (writer.up_ != 'y') root_["rotation"] = rotation_to_y(writer.up_);
     while (shown_at_first_ + 1 < writer.frames_.size() && !is_shown(shown_at_first_))
       ++shown_at_first_;
     for (std::size_t i = 0; i < writer.frames_.size(); ++i) add_frame(i);
@@ -204,7 +211,7 @@ class GlbWriter::Document {
   bool colors_ = false;
 };
 
-GlbWriter::GlbWriter(std::filesystem::path path, std::string name, char up)
+GlbWriter::GlbWriter(std::filesystem::path path, std::string name, Up up)
     : path_(std::move(path)), data_path_(path_), name_(std::move(name)), up_(up) {
   data_path_ += ".data";
   data_.open(data_path_, std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc);

@@ -10,6 +10,7 @@
 
 #include "codec/core/triangle_mesh.h"
 #include "pointreel/error.h"
+#include "pointreel/up.h"
 
 namespace pointreel {
 
@@ -25,8 +26,8 @@ namespace pointreel {
 /// Meshes are kept in a file beside the final one, not in memory. The errors begin with the path.
 class GlbWriter {
  public:
-  /// `name`: of the scene. `up`: 'y' or 'z'.
-  GlbWriter(std::filesystem::path path, std::string name, char up);
+  /// `name`: of the scene.
+  GlbWriter(std::filesystem::path path, std::string name, Up up);
   ~GlbWriter();
   GlbWriter(const GlbWriter&) = delete;
   GlbWriter& operator=(const GlbWriter&) = delete;
@@ -53,7 +54,7 @@ class GlbWriter {
 
   std::filesystem::path path_, data_path_;
   std::string name_;
-  char up_;
+  Up up_;
   std::fstream data_;
   std::uint64_t size_ = 0;
   std::vector<Frame> frames_;

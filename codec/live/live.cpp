@@ -110,8 +110,8 @@ std::string hello_text(const LiveHello& hello, std::string_view key, std::string
       fmt::format(R"({{"type":"hello","version":{},"name":{},"{}":"{}","codec":"{}")",
                   kPackageVersion, dump(hello.name), key, value, hello.codec);
   if (!hello.entropy.empty()) text += fmt::format(R"(,"entropy":"{}")", hello.entropy);
-  text += fmt::format(R"(,"fps":{},"up":"{}","colors":{},"normals":{})", dump(hello.fps), hello.up,
-                      hello.colors, hello.normals);
+  text += fmt::format(R"(,"fps":{},"up":"{}","colors":{},"normals":{})", dump(hello.fps),
+                      hello.up.text(), hello.colors, hello.normals);
   for (std::size_t i = 0; i < hello.scalars.size(); ++i) {
     const ScalarRange& range = hello.scalars[i];
     text += fmt::format(R"({}{{"name":{},"min":{},"max":{},"labels":{}}})",

@@ -17,7 +17,7 @@ namespace pointreel {
 struct EncodingOptions {
   std::string name;   ///< for people
   double fps = 30.0;  ///< nominal frames per second, kMinFps to kMaxFps
-  char up = 'y';      ///< the axis that points up, 'y' or 'z'
+  Up up = 'y';
   /// How the frames of files are placed, before anything else is done with them.
   Placement placement;
   EncodeOptions encode;

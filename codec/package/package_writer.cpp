@@ -33,8 +33,6 @@ Result<void> check(const WriteOptions& options) {
     return fail(ErrorCode::argument, fmt::format("{} frames per second are out of range: give {} "
                                                  "to {}",
                                                  options.fps, kMinFps, kMaxFps));
-  if (options.up != 'y' && options.up != 'z')
-    return fail(ErrorCode::argument, "the axis that points up is y or z");
   if (options.segment_frames == 0)
     return fail(ErrorCode::argument, "a segment has at least one frame");
   return {};

@@ -64,7 +64,7 @@ ordered_json head_json(const Manifest& manifest) {
   head["fps"] = manifest.fps;
   head["duration_us"] = manifest.duration_us;
   if (manifest.captured_us) head["captured_us"] = *manifest.captured_us;
-  head["up"] = std::string(1, manifest.up);
+  head["up"] = manifest.up.text();
   head["colors"] = manifest.colors;
   head["normals"] = manifest.normals;
   if (!manifest.scalars.empty()) head["scalars"] = scalars_json(manifest.scalars);

@@ -25,12 +25,16 @@ std::string sound_text(const AudioFile& audio) {
 
 struct CutArguments {
   std::string reel, frames;
-  std::optional<double> from, to;
+  std::optional<double> from, until, to;  ///< `to`: an earlier name of `until`
   CutOptions options;
   HttpOptions http = patient_http_options();
 };
 
 int run_cut(CutArguments arguments) {
+  if (arguments.to) {
+    print_error("cut: --to is now called --until");
+    arguments.until = arguments.to;
+  }
   CutOptions& options = arguments.options;
   const auto microseconds = [](double seconds) {
     return static_cast<std::uint64_t>(std::llround(seconds * 1e6));
@@ -42,14 +46,14 @@ int run_cut(CutArguments arguments) {
       return kExitUsage;
     }
     options.frames = FrameRange{range->first, range->second};
-  } else if (!arguments.from && !arguments.to) {
-    print_error("cut: give the part to keep, by --from and --to or by --frames");
+  } else if (!arguments.from && !arguments.until) {
+    print_error("cut: give the part to keep, by --from and --until or by --frames");
     return kExitUsage;
   }
   if (arguments.from) options.from_us = microseconds(*arguments.from);
-  if (arguments.to) options.to_us = microseconds(*arguments.to);
+  if (arguments.until) options.to_us = microseconds(*arguments.until);
   if (options.to_us <= options.from_us) {
-    print_error("cut: --to must be later than --from, and later than 0");
+    print_error("cut: --until must be later than --from, and later than 0");
     return kExitUsage;
   }
   const StopSignal stop;
@@ -103,9 +107,7 @@ void add_cut_command(cli::Command app, int& exit_code) {
   const cli::Command command = app.add_subcommand(
       "cut",
       "Make a package of a part of another one, without encoding anything again\n"
-      "Segments stay whole, so a little more than asked for is kept at either end: up to a second "
-      "of a recording, and up to the frames of a segment (pack --segment, 30) of what was packed. "
-      "Sound is cut, too.");
+      "Frames are cut exactly, and sound is cut with them.");
   command.add_option("INPUT", a->reel, "the folder or the address of the package")
       .required()
       .type_name("");
@@ -116,18 +118,24 @@ void add_cut_command(cli::Command app, int& exit_code) {
                       "keep what is shown from this time of the reel on (default: its beginning)")
           .check(cli::number_within(0.0, 1e9))
           .type_name("SECONDS");
-  const cli::Option to =
+  const cli::Option until =
       command
-          .add_option("--to", a->to,
+          .add_option("--until", a->until,
                       "keep what is shown before this time of the reel (default: its end)")
           .check(cli::number_within(0.0, 1e9))
           .type_name("SECONDS");
+  const cli::Option to = command.add_option("--to", a->to, "the earlier name of --until")
+                             .check(cli::number_within(0.0, 1e9))
+                             .type_name("SECONDS")
+                             .group("")
+                             .excludes(until);
   command
       .add_option("--frames", a->frames,
                   "instead of times: keep frames A to B, including both, or only frame A, "
                   "numbered from 0")
       .type_name("A-B")
       .excludes(from)
+      .excludes(until)
       .excludes(to);
   add_store_options(command, a->http);
   command.callback([a, &exit_code] { exit_code = run_cut(*a); });

@@ -91,7 +91,7 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
           {"fps", manifest.fps},
           {"duration_s", static_cast<double>(manifest.duration_us) * 1e-6},
           {"captured_us", captured},
-          {"up", std::string(1, manifest.up)},
+          {"up", manifest.up.text()},
           {"colors", manifest.colors},
           {"normals", manifest.normals},
           {"scalars", scalars_json(manifest.scalars)},
@@ -125,7 +125,7 @@ void print_info(const Manifest& manifest, const Totals& totals) {
   const double seconds = static_cast<double>(manifest.duration_us) * 1e-6;
   print("{}: {}, {:.2f} s at {} fps, {}, up {}\n", manifest.name,
         counted(manifest.frame_count(), "frame"), seconds, number_text(manifest.fps),
-        counted(manifest.segments.size(), "segment"), manifest.up);
+        counted(manifest.segments.size(), "segment"), manifest.up.text());
   if (manifest.captured_us) {
     const auto unix_seconds = static_cast<std::time_t>(*manifest.captured_us / 1'000'000);
     print("  captured {:%Y-%m-%d %H:%M:%S} UTC\n", fmt::gmtime(unix_seconds));

@@ -45,9 +45,16 @@ void SequenceArguments::add_to(cli::Command command, const char* default_name,
                          "times at which they were recorded")
              .check(cli::number_option("a number from 0.000001 to 1000000", is_frame_rate))
              .capture_default_str();
-  up_ = add_choice<char>(command, "--up", sequence.up, {{"y", 'y'}, {"z", 'z'}},
-                         "the axis that points up, unless the format of the files tells it, as "
-                         "LAS, KITTI, nuScenes and MCAP do with z");
+  up_ = add_choice<Up>(
+      command, "--up", sequence.up,
+      {{"x", 'x'},
+       {"-x", {'x', true}},
+       {"y", 'y'},
+       {"-y", {'y', true}},
+       {"z", 'z'},
+       {"-z", {'z', true}}},
+      "the axis that points up, unless the format of the files tells it, as LAS, KITTI, nuScenes "
+      "and MCAP do with z; -y stands scenes whose y points down on their feet");
   add_placement_options(command, sequence.placement);
   command.add_option("--name", sequence.name,
                      fmt::format("a name for people (default: that of the {})", default_name));

@@ -50,19 +50,34 @@ void share(std::optional<Cleaning>& cleaning, std::uint32_t some, std::uint32_t 
   if (cleaning->frames == 0) cleaning.reset();
 }
 
-/// Which segments are kept, and which time of the old package is when of the new one.
+/// What is kept of the old package.
 struct Cut {
-  std::uint32_t first_segment = 0, end_segment = 0;
+  FrameLocation first, last;
   std::uint64_t begin_us = 0, end_us = 0;
+
+  /// The frames of a segment that are kept, by their indices.
+  std::uint32_t begin(std::uint32_t segment) const {
+    return segment == first.segment ? first.index : 0;
+  }
+  std::uint32_t end(std::uint32_t segment, const Segment& whole) const {
+    return segment == last.segment ? last.index + 1 : whole.frame_count();
+  }
 };
 
-Cut cut_at(const Manifest& manifest, FrameRange frames) {
-  Cut cut{locate(manifest, frames.first).segment, locate(manifest, frames.last).segment + 1, 0,
-          manifest.duration_us};
-  if (cut.first_segment > 0) cut.begin_us = manifest.segments[cut.first_segment].times_us.front();
-  if (cut.end_segment < manifest.segments.size())
-    cut.end_us = manifest.segments[cut.end_segment].times_us.front();
+Cut cut_at(const CutOptions& options, const Manifest& manifest, FrameRange frames) {
+  Cut cut{locate(manifest, frames.first), locate(manifest, frames.last), options.from_us,
+          std::min(options.to_us, manifest.duration_us)};
+  if (!options.frames) return cut;
+  if (frames.first > 0) cut.begin_us = frame_time_us(manifest, frames.first);
+  if (frames.last + 1 < manifest.frame_count())
+    cut.end_us = frame_time_us(manifest, frames.last + 1);
   return cut;
+}
+
+template <class T>
+void keep_part(std::vector<T>& all, std::uint32_t begin, std::uint32_t end) {
+  all.erase(all.begin() + end, all.end());
+  all.erase(all.begin(), all.begin() + begin);
 }
 
 /// The manifest of what is kept. Files have the names that they have in the old package.
@@ -72,12 +87,17 @@ Manifest keep(const Manifest& manifest, const Cut& cut) {
   kept.audio.reset();
   kept.duration_us = cut.end_us - cut.begin_us;
   if (kept.captured_us) *kept.captured_us += cut.begin_us;
-  kept.segments.assign(manifest.segments.begin() + cut.first_segment,
-                       manifest.segments.begin() + cut.end_segment);
-  const std::uint32_t first = kept.segments.front().first_frame;
-  for (Segment& segment : kept.segments) {
-    segment.first_frame -= first;
-    for (std::uint64_t& time : segment.times_us) time -= cut.begin_us;
+  kept.segments.clear();
+  std::uint32_t frames = 0;
+  for (std::uint32_t i = cut.first.segment; i <= cut.last.segment; ++i) {
+    Segment& segment = kept.segments.emplace_back(manifest.segments[i]);
+    const std::uint32_t begin = cut.begin(i), end = cut.end(i, manifest.segments[i]);
+    keep_part(segment.times_us, begin, end);
+    keep_part(segment.points, begin, end);
+    for (LayerFile& file : segment.layers) keep_part(file.frames, begin, end);
+    segment.first_frame = std::exchange(frames, frames + segment.frame_count());
+    // The first frame may have been shown before.
+    for (std::uint64_t& time : segment.times_us) time = std::max(time, cut.begin_us) - cut.begin_us;
   }
   share(kept.cleaning, kept.frame_count(), manifest.frame_count());
   return kept;
@@ -98,21 +118,25 @@ Result<std::optional<AudioFile>> cut_sound(const CutOptions& options, const Audi
 Result<CutReport> cut_package(const CutOptions& options, const std::stop_token& stop) {
   const Manifest manifest = TRY(options.input.manifest());
   const FrameRange wanted = TRY(at_place(options.input.shown(), frames_of(options, manifest)));
-  const Cut cut = cut_at(manifest, wanted);
+  const Cut cut = cut_at(options, manifest, wanted);
   Manifest kept = keep(manifest, cut);
   OutputFolder folder = TRY(OutputFolder::create(
       options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));
-  for (Segment& segment : kept.segments) {
+  for (std::uint32_t i = cut.first.segment; i <= cut.last.segment; ++i) {
     if (stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
-    TRY(put_segment(options.input, folder.path(), kept.layer_names, segment));
+    const Segment& whole = manifest.segments[i];
+    Segment& segment = kept.segments[i - cut.first.segment];
+    TRY(segment.frame_count() == whole.frame_count()
+            ? put_segment(options.input, folder.path(), kept.layer_names, segment)
+            : put_frames(options.input, folder.path(), kept.layer_names, whole, cut.begin(i),
+                         segment));
   }
   if (kept.tables) TRY(put_file(options.input, *kept.tables, folder.path(), kept.tables->path));
   if (manifest.audio)
     kept.audio = TRY(cut_sound(options, *manifest.audio, cut, folder.path(), stop));
   CutReport report;
-  report.frames.first = manifest.segments[cut.first_segment].first_frame;
-  report.frames.last = report.frames.first + kept.frame_count() - 1;
-  report.segments = cut.end_segment - cut.first_segment;
+  report.frames = wanted;
+  report.segments = cut.last.segment - cut.first.segment + 1;
   report.audio = kept.audio;
   report.bytes = TRY(write_package_manifest(folder.path(), kept, options.output));
   for (const PackageFile* file : kept.files()) report.bytes += file->bytes;

@@ -32,9 +32,10 @@ struct CutReport {
   std::optional<AudioFile> audio;  ///< of the new package
 };
 
-/// Makes a package of some frames of another one, whose layer files are linked, or copied, as they
-/// are. Segments stay whole, so that up to a segment more than asked for is kept at either end. The
-/// first frame that is kept is shown at time 0. Sound is cut at the same places, to the sample.
+/// Makes a package of some frames of another one. The layer files of segments that are kept whole
+/// are linked, or copied, as they are; of the segments at either end, the bytes of the frames that
+/// are kept are copied. The new package begins at the time asked for, or with the first frame asked
+/// for. Sound is cut at the same places, to the sample.
 ///
 /// What the manifest says of all frames together, such as bounds and depths, it says of these, too.
 /// Of a recording that still grows, what is there is taken.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -21,5 +22,11 @@ Result<void> put_file(const PackageFiles& from, const PackageFile& file,
 /// first frame. The sound of a live stream is left out.
 Result<void> put_segment(const PackageFiles& from, const std::filesystem::path& folder,
                          const std::vector<std::string>& layer_names, Segment& segment);
+
+/// The same, if `segment` has only some frames of the `whole` one in the old package, from the one
+/// with index `begin` on: their bytes are copied.
+Result<void> put_frames(const PackageFiles& from, const std::filesystem::path& folder,
+                        const std::vector<std::string>& layer_names, const Segment& whole,
+                        std::uint32_t begin, Segment& segment);
 
 }  // namespace pointreel

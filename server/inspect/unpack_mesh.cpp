@@ -21,7 +21,7 @@ const char* extension(MeshFormat format) {
 }
 
 Result<void> write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh,
-                        MeshFormat format, const std::string& name, char up) {
+                        MeshFormat format, const std::string& name, Up up) {
   switch (format) {
     case MeshFormat::ply:
       return write_file(path, ply_bytes(mesh.vertices, mesh.triangles));

@@ -10,6 +10,7 @@
 #include "codec/package/manifest.h"
 #include "codec/package/package_folder.h"
 #include "codec/package/segment_writer.h"
+#include "codec/package/standing.h"
 #include "common/base/try.h"
 #include "common/file_system/output_folder.h"
 #include "common/threads/tbb_executor.h"
@@ -114,6 +115,9 @@ class Packer {
 
   Result<PackSummary> finish() {
     for (const std::string& line : warnings_.rest()) warn(line);
+    if (options_.up_of_files && !up_of_frame(files_.front())) {
+      if (const auto line = standing_warning(manifest_.bounds, manifest_.up)) warn(*line);
+    }
     summary_.bytes = TRY(finish_package(output_.folder, manifest_, options_.output));
     for (const PackageFile* file : manifest_.files()) summary_.bytes += file->bytes;
     summary_.encode_ms = spread_of(std::move(encode_ms_));

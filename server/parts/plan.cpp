@@ -44,7 +44,7 @@ std::string to_text(const PackPlan& plan) {
                        {"force", plan.force},
                        {"audio", nullptr},
                        {"tables", nullptr}};
-  if (plan.up) json["up"] = std::string(1, *plan.up);
+  if (plan.up) json["up"] = plan.up->text();
   if (plan.audio) json["audio"] = plan.audio->string();
   if (plan.tables) {
     json["tables"] = {{"path", plan.tables->path},
@@ -66,8 +66,8 @@ PackPlan from_json(const ordered_json& json) {
   plan.arguments = json.at("arguments").get<std::vector<std::string>>();
   plan.name = json.at("name").get<std::string>();
   if (const ordered_json& up = json.at("up"); !up.is_null()) {
-    if (up != "y" && up != "z") throw std::invalid_argument("up");
-    plan.up = up.get<std::string>().front();
+    plan.up = parse_up(up.get<std::string>());
+    if (!plan.up) throw std::invalid_argument("up");
   }
   const auto segment_frames = json.at("segment_frames").get<std::int64_t>();
   if (segment_frames < 1 || segment_frames > 100'000) throw std::invalid_argument("segment_frames");

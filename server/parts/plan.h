@@ -41,7 +41,7 @@ struct PackPlan {
   /// holds for parts as well.
   std::vector<std::string> arguments;
   std::string name;                   ///< of the reel
-  std::optional<char> up;             ///< the axis, where the first frame tells it
+  std::optional<Up> up;               ///< the axis, where the first frame tells it
   std::uint32_t segment_frames = 30;  ///< of each segment but the last
   bool force = false;                 ///< join may replace a package
   std::vector<PlannedFrame> frames;

@@ -17,6 +17,7 @@
 #include "codec/files/unread_properties.h"
 #include "codec/live/frame_sender.h"
 #include "codec/package/coarsening.h"
+#include "codec/package/standing.h"
 #include "codec/package/steady_grid.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
@@ -198,6 +199,9 @@ class Publisher {
     if (options_.clean && !frame.cleaning.cleaned && !loaded.cloud.positions.empty() &&
         !std::exchange(uncleaned_told_, true))
       say(fmt::format("{}: not cleaned: {}", frame.input.name, why_not_cleaned(*options_.clean)));
+    if (!frame.box.empty() && !std::exchange(stands_told_, true)) {
+      if (const auto line = standing_warning(frame.box, options_.up)) say(*line);
+    }
     frame.grid = grid_.of(loaded.cloud, frame.box, frame.cleaning);
     if (!frame.grid) return fail_at(frame.input.name, frame.grid.error());
     const std::lock_guard lock(time_mutex_);
@@ -283,10 +287,11 @@ class Publisher {
   const int lanes_;
   tbb::task_arena arena_;
   OrderedTurns grid_turns_;
-  SteadyGrid grid_;  ///< used in turns only, as are the next two
+  SteadyGrid grid_;  ///< used in turns only, as are the next four
   UnreadProperties unread_;
   bool scalars_told_ = false;
   bool uncleaned_told_ = false;
+  bool stands_told_ = false;
 
   const double frame_time_ms_;
   std::mutex time_mutex_;

@@ -177,7 +177,7 @@ static void a_package_is_written_frame_by_frame(void) {
   options.struct_size = sizeof options;
   options.name = "a lattice";
   options.fps = 25.0;
-  options.up = 'z';
+  options.up = 'Z';
   options.segment_frames = 3;
   const pointreel_encode_options encode = lossless();
   pointreel_writer* writer = NULL;
@@ -215,7 +215,7 @@ static void frames_are_read_by_index_and_layers(const char* where) {
   pointreel_reel_info info = {0};
   info.struct_size = sizeof info;
   EXPECT(pointreel_reel_get_info(reel, &info) == POINTREEL_OK);
-  EXPECT(info.frames == kFrames && info.fps == 25.0 && info.up == 'z');
+  EXPECT(info.frames == kFrames && info.fps == 25.0 && info.up == 'Z');
   EXPECT(info.has_colors && info.has_normals && info.layers >= 1);
   EXPECT(info.bounds_min[0] == 1000.0 && info.bounds_max[0] == 1009.0 + kFrames - 1);
   for (uint32_t i = 0; i < kFrames; ++i) {

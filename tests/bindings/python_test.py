@@ -244,6 +244,12 @@ class Packages(TemporaryFolder):
         self.assertEqual(count, frames)
         return path
 
+    def test_any_axis_points_up(self):
+        for up in ("x", "-x", "y", "-y", "z", "-z"):
+            self.assertEqual(pointreel.open(self.make(1, up=up, replace=True)).up, up)
+        with self.assertRaises(pointreel.Error):
+            self.make(1, up="Y", replace=True)
+
     def test_a_package_has_what_was_packed(self):
         reel = pointreel.open(self.make(up="z", name="a ball", segment=4))
         self.assertEqual((len(reel), reel.fps, reel.up, reel.name), (10, 10.0, "z", "a ball"))

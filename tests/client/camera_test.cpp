@@ -94,8 +94,8 @@ TEST(Camera, framed_bounds_are_fully_visible_and_fill_most_of_the_picture) {
           EXPECT_LT(p.z, 1.0);
           widest = std::max({widest, std::abs(p.x), std::abs(p.y)});
         }
-        EXPECT_LT(widest, 0.95);
-        EXPECT_GT(widest, 0.85);
+        EXPECT_LT(widest, 0.98);
+        EXPECT_GT(widest, 0.95);
         EXPECT_GT(up == 'y' ? camera.eye().y : camera.eye().z,
                   up == 'y' ? camera.target.y : camera.target.z);
       }

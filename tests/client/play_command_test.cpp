@@ -10,6 +10,7 @@
 
 #include "client/options/option_table.h"
 #include "client/options/option_text.h"
+#include "client/session/stage_setup.h"
 #include "common/command_line/option_words.h"
 #include "tests/temporary_folder.h"
 
@@ -137,6 +138,22 @@ TEST_F(PlayCommandTest, a_camera_is_a_name_or_angles_or_a_path) {
   ASSERT_TRUE(options) << options.error().message;
   ASSERT_TRUE(options->camera_path);
   EXPECT_EQ(options->camera_path->keys.size(), 1u);
+}
+
+TEST_F(PlayCommandTest, a_close_view_has_a_target_and_a_zoom) {
+  const Box person{{-0.5, 0.0, -0.5}, {0.5, 2.0, 0.5}};
+  const auto seen = [&](const std::vector<std::string>& arguments, Up up) {
+    return first_camera(parse(arguments).value(), person, up, {640, 480});
+  };
+  const Camera whole = seen({}, 'y');
+  const Camera head = seen({"--target", "head", "--zoom", "4"}, 'y');
+  EXPECT_NEAR(head.target.y, 1.84, 1e-9);
+  EXPECT_NEAR(head.distance, whole.distance / 4.0, 1e-9);
+  EXPECT_NEAR(seen({"--target", "head"}, {'y', true}).target.y, 0.16, 1e-9);
+  EXPECT_EQ(seen({"--target", "0.1,-2,3"}, 'y').target, glm::dvec3(0.1, -2.0, 3.0));
+  EXPECT_EQ(seen({"--target", "middle"}, 'y'), whole);
+  EXPECT_THAT(error({"--target", "hand"}), HasSubstr("feet, middle or head"));
+  EXPECT_NE(error({"--zoom", "0"}), "");
 }
 
 TEST_F(PlayCommandTest, the_command_line_wins_over_the_settings_file) {

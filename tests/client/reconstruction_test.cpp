@@ -133,6 +133,18 @@ TEST_P(ReconstructionTest, a_one_sided_surface_is_invisible_from_behind) {
   EXPECT_EQ(middle(image, -0.1), kBackground);
 }
 
+TEST_P(ReconstructionTest, a_side_that_is_open_is_no_hole) {
+  // A capture from one side, with a few points that face the other way.
+  PointCloud cloud;
+  add_sphere(cloud, glm::vec3(0.0f), 1.0f, kRed, [](const glm::vec3& p) { return p.z < 0.0f; });
+  add_sphere(cloud, {0.1f, 0.05f, 0.0f}, 0.05f, kGreen, all);
+  const Image image = picture(cloud);
+  int filled = 0;
+  for (const glm::u8vec3& pixel : image.pixels) filled += pixel != kBackground ? 1 : 0;
+  EXPECT_LT(filled, 0.03 * static_cast<double>(image.pixels.size()));
+  EXPECT_EQ(middle(image, -0.15), kBackground);
+}
+
 TEST_P(ReconstructionTest, a_gap_between_surfels_is_closed_even_without_a_back_side) {
   // A sheet without a back, of which one surfel is missing.
   PointCloud cloud;

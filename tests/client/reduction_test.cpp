@@ -29,6 +29,21 @@ class ReductionTest : public DrawingTest {
     options_.reduction = kReduction;
   }
 
+  /// The picture in its full size, from the lowest row.
+  std::vector<glm::u8vec4> presented() {
+    draw(frame_, camera_, kSize, options_);
+    gl::Texture color = gl::make_texture(GL_RGBA8, kSize.x, kSize.y);
+    gl::Texture depth = gl::make_texture(GL_DEPTH_COMPONENT32F, kSize.x, kSize.y);
+    const Result<gl::Framebuffer> target = gl::make_framebuffer(color, depth);
+    if (!target) ADD_FAILURE() << target.error().message;
+    renderer_->present(target->name());
+    std::vector<glm::u8vec4> pixels(static_cast<std::size_t>(kSize.x * kSize.y));
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glGetTextureImage(color.name(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                      static_cast<GLsizei>(pixels.size() * sizeof(glm::u8vec4)), pixels.data());
+    return pixels;
+  }
+
   std::shared_ptr<const SceneFrame> frame_;
   Camera camera_;
   DrawOptions options_;
@@ -47,16 +62,7 @@ TEST_P(ReductionTest, draws_the_same_as_a_smaller_picture) {
 
 TEST_P(ReductionTest, is_enlarged_to_the_full_size_when_presented) {
   const auto shown = [&] {
-    draw(frame_, camera_, kSize, options_);
-    gl::Texture color = gl::make_texture(GL_RGBA8, kSize.x, kSize.y);
-    gl::Texture depth = gl::make_texture(GL_DEPTH_COMPONENT32F, kSize.x, kSize.y);
-    const Result<gl::Framebuffer> target = gl::make_framebuffer(color, depth);
-    if (!target) ADD_FAILURE() << target.error().message;
-    renderer_->present(target->name());
-    std::vector<glm::u8vec4> pixels(static_cast<std::size_t>(kSize.x * kSize.y));
-    glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glGetTextureImage(color.name(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
-                      static_cast<GLsizei>(pixels.size() * sizeof(glm::u8vec4)), pixels.data());
+    const std::vector<glm::u8vec4> pixels = presented();
     // The position and the size of the point.
     glm::dvec2 sum(0.0);
     double count = 0.0;
@@ -73,6 +79,12 @@ TEST_P(ReductionTest, is_enlarged_to_the_full_size_when_presented) {
   const glm::dvec3 whole = shown();
   EXPECT_NEAR(whole.z, 12.0, 0.1);
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(reduced[i], whole[i], kReduction) << i;
+}
+
+TEST_P(ReductionTest, has_nothing_but_the_point_on_the_background_when_presented) {
+  // Red and the background are the same in this channel, and what mixes them is, too.
+  options_.background = {1.0f, 1.0f, 1.0f};
+  for (const glm::u8vec4& pixel : presented()) ASSERT_EQ(pixel.r, 255);
 }
 
 TEST_P(ReductionTest, looks_up_points_at_pixels_of_the_full_size) {

@@ -129,7 +129,7 @@ TEST_P(RendererTest, finds_the_nearest_drawn_pixel_for_one_beside_it) {
     const glm::ivec2 seen = pixel_of(front_camera(), *found);
     // The point is a square of five pixels.
     EXPECT_LE(std::max(std::abs(seen.x - at.x), std::abs(seen.y - at.y)), 3);
-    EXPECT_NEAR(found->z, 0.1, 1e-5);
+    EXPECT_NEAR(found->z, 0.1, 0.05);  // it falls off from the middle
   }
   EXPECT_FALSE(renderer_->point_at(glm::dvec2(at) + 30.0));
   // The point is that of the last picture, whatever its size, and there is none outside of it.

@@ -146,7 +146,8 @@ TEST_P(RendererTest, lights_surfaces_that_face_the_light_more_brightly) {
   for (const DrawMode mode : kModes) {
     const auto brightness = [&](const glm::vec3& n) {
       PointCloud cloud;
-      add(cloud, glm::vec3(0.04f), n, glm::u16vec3(0xc000), 0.2f);
+      add(cloud, glm::vec3(0.04f), n, {}, 0.2f);
+      cloud.colors.clear();
       DrawOptions options = plain(mode);
       options.lighting = true;
       const glm::ivec2 at = pixel_of(front_camera(), cloud.world(0));
@@ -154,6 +155,56 @@ TEST_P(RendererTest, lights_surfaces_that_face_the_light_more_brightly) {
     };
     EXPECT_GT(brightness(kFront), brightness(glm::normalize(glm::vec3(0.9f, 0.0f, 0.4f))) + 20);
   }
+}
+
+TEST_P(RendererTest, hardly_darkens_colours_that_have_light_in_them_already) {
+  for (const DrawMode mode : kModes) {
+    const auto brightness = [&](ColorSource color) {
+      PointCloud cloud;
+      add(cloud, glm::vec3(0.04f), glm::normalize(glm::vec3(0.9f, 0.0f, 0.4f)),
+          glm::u16vec3(0xd0d0), 0.2f);
+      DrawOptions options = plain(mode);
+      options.lighting = true;
+      options.color = color;
+      const glm::ivec2 at = pixel_of(front_camera(), cloud.world(0));
+      return picture(frame_of(cloud), front_camera(), options).at(at.x, at.y).x;
+    };
+    EXPECT_GT(brightness(ColorSource::colors), 190);
+    EXPECT_LT(brightness(ColorSource::plain), 170);
+  }
+}
+
+TEST_P(RendererTest, lights_voxels_of_few_pixels_as_the_surface_that_they_are_of) {
+  PointCloud cloud;
+  for (int i = 0; i < 200; ++i)
+    cloud.positions.push_back({std::fmod(0.618f * static_cast<float>(i), 2.0f) - 1.0f,
+                               0.01f * static_cast<float>(i) - 1.0f, 0.0f});
+  DrawOptions options = plain(DrawMode::voxel);
+  options.lighting = true;
+  options.background = glm::vec3(0.0f);
+  Camera camera = front_camera();
+  camera.orbit(0.5, -0.7);  // from below, where the light does not shine
+  const Image image = picture(frame_of(cloud, 7), camera, options);
+  std::size_t drawn = 0;
+  for (const glm::u8vec3& pixel : image.pixels) {
+    if (pixel.x == 0) continue;
+    ++drawn;
+    ASSERT_GT(pixel.x, 190);
+  }
+  EXPECT_GT(drawn, 150u);
+}
+
+TEST_P(RendererTest, shows_the_closest_of_points_that_overlap) {
+  PointCloud cloud;
+  add(cloud, {-0.1f, 0.0f, 0.0f}, kFront, kRed, 0.2f);
+  add(cloud, {0.1f, 0.0f, 0.001f}, kFront, kGreen, 0.2f);
+  DrawOptions options = plain(DrawMode::point);
+  options.adaptive_points = true;
+  const Image image = picture(frame_of(cloud), front_camera(), options);
+  const glm::ivec2 left = pixel_of(front_camera(), {-0.05, 0.0, 0.0}),
+                   right = pixel_of(front_camera(), {0.05, 0.0, 0.0});
+  EXPECT_LE(difference(image.at(left.x, left.y), {255, 0, 0}), 2);
+  EXPECT_LE(difference(image.at(right.x, right.y), {0, 255, 0}), 2);
 }
 
 TEST_P(RendererTest, draws_an_isolated_surfel_as_a_disc_of_its_radius_and_orientation) {
@@ -299,7 +350,8 @@ TEST_P(RendererTest, shows_the_faces_of_a_cube_towards_the_eye_from_every_side) 
       glm::dvec3 normal(0.0);
       normal[axis] = sign[axis];
       const glm::ivec2 at = pixel_of(camera, camera.target + 0.75 * normal);
-      const double linear = 0.4 + 0.6 * std::max(glm::dot(normal, light), 0.0);
+      // Colours of its own are lit weakly.
+      const double linear = 0.7 + 0.3 * (0.4 + 0.6 * std::max(glm::dot(normal, light), 0.0));
       const double srgb = 255.0 * (1.055 * std::pow(linear, 1 / 2.4) - 0.055);
       EXPECT_NEAR(image.at(at.x, at.y).x, srgb, 2.0) << "octant " << octant << " axis " << axis;
     }

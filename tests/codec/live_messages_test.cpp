@@ -54,6 +54,7 @@ TEST(LiveMessages, a_hello_is_parsed_as_it_was_written) {
   nothing_yet.codec = "draco";
   nothing_yet.entropy.clear();
   nothing_yet.bounds = {};
+  nothing_yet.up = {'y', true};
   EXPECT_EQ(parse_hello(write_hello(nothing_yet)), nothing_yet);
 }
 
@@ -73,7 +74,7 @@ TEST(LiveMessages, an_error_in_a_hello_names_the_member) {
   EXPECT_THAT(error_with("middle", std::string(65, 'm')), HasSubstr("layers"));
   EXPECT_THAT(error_with("[-1.5,0.0,2.0],\"max\":[1.0", "[-1.7e308,0.0,2.0],\"max\":[1.7e308"),
               HasSubstr("bounds: max"));
-  EXPECT_THAT(error_with("\"up\":\"z\"", "\"up\":\"x\""), HasSubstr("up"));
+  EXPECT_THAT(error_with("\"up\":\"z\"", "\"up\":\"+z\""), HasSubstr("up"));
   EXPECT_THAT(error_with("\"middle\"", "\"base\""), HasSubstr("layers"));
   EXPECT_THAT(error_with("\"middle\"", "\"../middle\""), HasSubstr("layers"));
   EXPECT_THAT(error_with("-1.5", "15"), HasSubstr("bounds"));

@@ -159,6 +159,16 @@ TEST(Manifest, tells_when_it_was_captured) {
     EXPECT_THAT(error_with({{"captured_us", wrong}}), HasSubstr("captured_us")) << wrong;
 }
 
+TEST(Manifest, points_up_along_any_axis) {
+  Manifest m = example();
+  for (const char* name : {"x", "-x", "y", "-y", "z", "-z"}) {
+    m.up = *parse_up(name);
+    const Result<Manifest> back = parse_manifest(write_manifest(m));
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->up.text(), name);
+  }
+}
+
 TEST(Manifest, is_parsed_as_it_was_written) {
   const Manifest m = example();
   const Result<Manifest> back = parse_manifest(write_manifest(m));

@@ -103,11 +103,13 @@ TEST_F(Record, a_video_has_every_frame_once_in_order) {
 
 TEST_F(Record, a_looped_recording_lasts_for_the_given_duration) {
   if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
-  const Outcome played =
-      play({"--camera", "front", "--record", path("out.webm"), "--loop", "--duration", "1"});
+  const Outcome played = play({"--camera", "front", "--record", path("out.webm"), "--screenshot",
+                               path("last.png"), "--loop", "--duration", "1", "--json", "-"});
   ASSERT_EQ(played.exit_code, 0) << played.err;
+  EXPECT_EQ(nlohmann::json::parse(played.out, nullptr, false)["frames_shown"], 10);
   const std::vector<Picture> pictures = pictures_of("out.webm");
   ASSERT_EQ(pictures.size(), 10u);
+  EXPECT_NEAR(red_x(pictures_of("last.png").at(0)), red_x(pictures.back()), 1.5);
   for (std::size_t i = kFrames; i < pictures.size(); ++i)
     EXPECT_NEAR(red_x(pictures[i]), red_x(pictures[i - kFrames]), 1.5) << i;
 }

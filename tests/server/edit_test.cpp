@@ -138,9 +138,34 @@ class Edit : public PackTest {
   }
 };
 
-TEST_F(Edit, a_cut_has_whole_segments_with_the_same_bytes_from_time_0_on) {
+TEST_F(Edit, a_cut_has_exactly_the_frames_from_time_0_on) {
+  for (const PackOptions& options : {layered_options(), draco_options()}) {
+    const fs::path reel = pack_as("reel", options);
+    const Manifest whole = read_manifest(reel).value();
+    for (const auto& [first, last] : {std::pair(4u, 10u), {4, 4}, {1, 1}, {3, 4}, {18, 19}}) {
+      const auto report = cut(reel, "cut", first, last);
+      ASSERT_TRUE(report) << report.error().message;
+      EXPECT_EQ(report->frames.first, first);
+      EXPECT_EQ(report->frames.last, last);
+      EXPECT_THAT(faults_of(at("cut")), IsEmpty());
+      EXPECT_EQ(frames_of(at("cut")), part(frames_of(reel), first, last + 1));
+      const Manifest kept = read_manifest(at("cut")).value();
+      ASSERT_EQ(kept.frame_count(), last - first + 1);
+      for (std::uint32_t i = 0; i < kept.frame_count(); ++i)
+        EXPECT_EQ(frame_time_us(kept, i),
+                  frame_time_us(whole, first + i) - frame_time_us(whole, first));
+      EXPECT_EQ(kept.duration_us,
+                (last == 19 ? whole.duration_us : frame_time_us(whole, last + 1)) -
+                    frame_time_us(whole, first));
+      fs::remove_all(at("cut"));
+    }
+    fs::remove_all(reel);
+  }
+}
+
+TEST_F(Edit, a_cut_links_whole_segments) {
   const fs::path reel = pack_as("reel", layered_options());
-  const auto report = cut(reel, "cut", 4, 10);
+  const auto report = cut(reel, "cut", 3, 11);
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_EQ(report->frames.first, 3u);
   EXPECT_EQ(report->frames.last, 11u);
@@ -169,18 +194,16 @@ TEST_F(Edit, pieces_of_a_reel_that_are_joined_are_the_reel_again) {
   trained.encode.codec = OctreeOptions{Entropy::context, DepthRule::fixed(10)};
   for (const PackOptions& options : {layered_options(), draco_options(), trained}) {
     const fs::path reel = pack_as("reel", options);
-    ASSERT_TRUE(cut(reel, "all", 0, kFrames - 1));
     ASSERT_TRUE(cut(reel, "a", 0, 4));
-    ASSERT_TRUE(cut(reel, "b", 6, 6));
-    ASSERT_TRUE(cut(reel, "c", 9, 19));
+    ASSERT_TRUE(cut(reel, "b", 5, 7));
+    ASSERT_TRUE(cut(reel, "c", 8, 19));
     const auto joined = join({"a", "b", "c"}, "joined");
     ASSERT_TRUE(joined) << joined.error().message;
     EXPECT_EQ(joined->frames, kFrames);
-    EXPECT_EQ(joined->segments, 7u);
-    EXPECT_EQ(contents(at("joined")), contents(at("all")));
-    EXPECT_EQ(segments_of(at("joined")), segments_of(reel));
+    EXPECT_EQ(frames_of(at("joined")), frames_of(reel));
+    EXPECT_EQ(read_manifest(at("joined"))->duration_us, read_manifest(reel)->duration_us);
     EXPECT_THAT(faults_of(at("joined")), IsEmpty());
-    for (const char* name : {"reel", "all", "a", "b", "c", "joined"}) fs::remove_all(at(name));
+    for (const char* name : {"reel", "a", "b", "c", "joined"}) fs::remove_all(at(name));
   }
 }
 
@@ -199,13 +222,18 @@ TEST_F(Edit, times_choose_the_frames_that_are_shown) {
     return report ? std::pair(report->frames.first, report->frames.last) : std::pair(99u, 99u);
   };
   EXPECT_EQ(frames(0, 10'000), std::pair(0u, 19u));
-  EXPECT_EQ(frames(0, 1), std::pair(0u, 2u));
+  EXPECT_EQ(frames(0, 1), std::pair(0u, 0u));
   EXPECT_EQ(frames(0, 300), std::pair(0u, 2u));
-  EXPECT_EQ(frames(0, 301), std::pair(0u, 5u));
-  EXPECT_EQ(frames(299, 300), std::pair(0u, 2u));
-  EXPECT_EQ(frames(300, 301), std::pair(3u, 5u));
-  EXPECT_EQ(frames(1'999, 9'999), std::pair(18u, 19u));
-  EXPECT_EQ(read_manifest(at("cut")).value().duration_us, 200'000u);
+  EXPECT_EQ(frames(0, 301), std::pair(0u, 3u));
+  EXPECT_EQ(frames(299, 300), std::pair(2u, 2u));
+  EXPECT_EQ(frames(300, 301), std::pair(3u, 3u));
+  EXPECT_EQ(frames(1'999, 9'999), std::pair(19u, 19u));
+  EXPECT_EQ(read_manifest(at("cut")).value().duration_us, 1'000u);
+  // The first and the last frame are shown only as long as they were between these times.
+  EXPECT_EQ(frames(250, 610), std::pair(2u, 6u));
+  const Manifest kept = read_manifest(at("cut")).value();
+  EXPECT_EQ(kept.duration_us, 360'000u);
+  EXPECT_EQ(kept.segments[1].times_us[0], 50'000u);
 }
 
 TEST_F(Edit, a_part_that_is_not_there_is_refused_and_nothing_is_written) {
@@ -298,7 +326,7 @@ TEST_F(Edit, what_was_cleaned_is_shared_out_and_added_up_again) {
   Manifest manifest = read_manifest(reel).value();
   manifest.cleaning = Cleaning{20, 1000, 0.5, 0.1, 1.0};
   write_file(reel / "reel.json", write_manifest(manifest));
-  ASSERT_TRUE(cut(reel, "a", 0, 4));
+  ASSERT_TRUE(cut(reel, "a", 0, 5));
   ASSERT_TRUE(cut(reel, "b", 6, 19));
   EXPECT_EQ(read_manifest(at("a"))->cleaning, (Cleaning{6, 300, 0.5, 0.1, 1.0}));
   ASSERT_TRUE(join({"a", "b"}, "joined"));
@@ -358,8 +386,8 @@ TEST_F(EditSound, is_cut_to_the_sample) {
 }
 
 TEST_F(EditSound, is_the_same_after_its_pieces_are_joined) {
-  ASSERT_TRUE(cut(at("reel"), "a", 0, 4));
-  ASSERT_TRUE(cut(at("reel"), "b", 6, 6));
+  ASSERT_TRUE(cut(at("reel"), "a", 0, 5));
+  ASSERT_TRUE(cut(at("reel"), "b", 6, 8));
   ASSERT_TRUE(cut(at("reel"), "c", 9, 19));
   const auto joined = join({"a", "b", "c"}, "joined");
   ASSERT_TRUE(joined) << joined.error().message;
@@ -437,7 +465,7 @@ TEST_F(RecorderTest, a_recording_is_cut_while_it_grows_and_joined_with_the_next)
   EXPECT_EQ(read_manifest(out / "growing")->captured_us, kStart);
   ASSERT_TRUE(
       cut_package({.input = package(), .output = out / "later", .frames = FrameRange{7, 12}}));
-  EXPECT_EQ(read_manifest(out / "later")->captured_us, kStart + 5 * kPeriod);
+  EXPECT_EQ(read_manifest(out / "later")->captured_us, kStart + 7 * kPeriod);
   EXPECT_FALSE(read_manifest(out / "growing")->live);
   recorder.end();
   recorder.hello(real_hello(2));

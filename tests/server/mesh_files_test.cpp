@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <glm/gtc/quaternion.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -142,6 +143,22 @@ TEST(MeshFiles, glb_holds_one_mesh) {
   EXPECT_NEAR(colors[12] / 65535.0, 0.5029, 1e-3) << "188 of 255 in sRGB";
   const json& box = glb.document["accessors"][primitive["attributes"]["POSITION"].get<int>()];
   EXPECT_EQ(box["max"], json({1.0, 1.0, 0.5}));
+}
+
+TEST(MeshFiles, glb_points_up_along_y) {
+  const TemporaryFolder folder;
+  for (const char* name : {"x", "-x", "y", "-y", "z", "-z"}) {
+    const Up up = *parse_up(name);
+    {
+      GlbWriter writer(folder / "a.glb", "leaf", up);
+      ASSERT_TRUE(writer.add(leaf(), 0));
+      ASSERT_TRUE(writer.finish(0));
+    }
+    const json root = Glb(folder / "a.glb").document["nodes"][0];
+    const auto turn = root.value("rotation", std::vector<double>{0, 0, 0, 1});
+    const glm::dquat by(turn[3], turn[0], turn[1], turn[2]);
+    EXPECT_LT(glm::distance(by * up.direction(), glm::dvec3(0, 1, 0)), 1e-12) << name;
+  }
 }
 
 TEST(MeshFiles, glb_shows_each_frame_at_its_time) {

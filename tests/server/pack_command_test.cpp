@@ -318,6 +318,15 @@ TEST_F(PackCommand, the_time_of_capture_goes_into_recordings_and_comes_back) {
   EXPECT_FALSE(read_manifest(again)->captured_us);
 }
 
+TEST_F(PackCommand, any_axis_points_up) {
+  write_frames(1);
+  for (const char* up : {"x", "-x", "y", "-y", "z", "-z"}) {
+    ASSERT_EQ(run_pack({"--up", up, "--force"}).code, kExitOk);
+    EXPECT_EQ(read_manifest(reel_)->up.text(), up);
+  }
+  EXPECT_EQ(run_pack({"--up", "w", "--force"}).code, kExitUsage);
+}
+
 TEST_F(PackCommand, info_prints_the_contents_of_the_manifest) {
   write_frames(2);
   ASSERT_EQ(run_pack({"--fps", "25", "--up", "z", "--name", "ball game"}).code, kExitOk);

@@ -297,7 +297,7 @@ TEST_F(Parts, do_not_trust_a_damaged_plan) {
   };
   EXPECT_THAT(with("\"segment_frames\": 3", "\"segment_frames\": 0"), HasSubstr("is damaged"));
   EXPECT_THAT(with("\"segment_frames\": 3", "\"segment_frames\": -3"), HasSubstr("is damaged"));
-  EXPECT_THAT(with("\"up\": null", "\"up\": \"x\""), HasSubstr("is damaged"));
+  EXPECT_THAT(with("\"up\": null", "\"up\": \"+x\""), HasSubstr("is damaged"));
   EXPECT_THAT(with("\"program\": \"0.1.0\"", "\"program\": \"9\""),
               HasSubstr("was made by version 9"));
   const Result<PackOptions> unknown = parse_pack_command_line({"--no-such-option"});

@@ -20,7 +20,7 @@ namespace {
 using std::chrono::milliseconds;
 using testing::HasSubstr;
 
-Camera looking(const Box& bounds, char up) {
+Camera looking(const Box& bounds, Up up) {
   Camera camera;
   camera.up = up;
   camera.frame_bounds(bounds, 1.0);
@@ -155,7 +155,7 @@ TEST_F(OpeningTest, calls_nothing_after_its_destruction) {
     {
       Opening opening(
           {{ply("frame.ply")}}, {},
-          [watched](const Box& bounds, char up) {
+          [watched](const Box& bounds, Up up) {
             EXPECT_TRUE(*watched);
             return looking(bounds, up);
           },

@@ -143,9 +143,6 @@ TEST_F(PackageWriterTest, refuses_what_no_player_would_take) {
   wrong.fps = 0.0;
   EXPECT_THAT(write(wrong, 1), HasSubstr("frames per second"));
   wrong = options();
-  wrong.up = 'q';
-  EXPECT_THAT(write(wrong, 1), HasSubstr("y or z"));
-  wrong = options();
   wrong.segment_frames = 0;
   EXPECT_THAT(write(wrong, 1), HasSubstr("at least one frame"));
   wrong = options();

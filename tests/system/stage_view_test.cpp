@@ -13,7 +13,7 @@ namespace {
 constexpr glm::ivec2 kSize(640, 360);
 
 /// As the players do it.
-Camera home(const Box& bounds, char up) {
+Camera home(const Box& bounds, Up up) {
   Camera camera;
   camera.up = up;
   camera.frame_bounds(bounds, static_cast<double>(kSize.x) / kSize.y);

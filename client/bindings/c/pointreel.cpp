@@ -29,6 +29,18 @@
 namespace pointreel {
 namespace {
 
+/// The letter of an axis, in capitals if it points down.
+char letter_of(Up up) {
+  const auto letter = static_cast<char>('x' + up.axis());
+  return up.reversed() ? static_cast<char>(letter - 'x' + 'X') : letter;
+}
+Result<Up> up_of(char letter) {
+  for (const char axis : {'x', 'y', 'z'})
+    for (const Up up : {Up(axis), Up(axis, true)})
+      if (letter_of(up) == letter) return up;
+  return fail(ErrorCode::argument, "the axis that points up is none of x, y, z, X, Y and Z");
+}
+
 struct Reel {
   std::unique_ptr<Source> source;
 };
@@ -352,7 +364,7 @@ pointreel_status pointreel_reel_get_info(const pointreel_reel* handle, pointreel
     }
     result.has_colors = manifest.colors;
     result.has_normals = manifest.normals;
-    result.up = manifest.up;
+    result.up = letter_of(manifest.up);
     return give(result, info, "pointreel_reel_info");
   });
 }
@@ -493,7 +505,7 @@ pointreel_status pointreel_writer_open(const char* folder, const pointreel_write
     if (write.output.empty()) return fail(ErrorCode::argument, "the folder has no name");
     write.name = text_or_nothing(options.name);
     if (options.fps != 0.0) write.fps = options.fps;
-    if (options.up != 0) write.up = options.up;
+    if (options.up != 0) write.up = TRY(up_of(options.up));
     if (options.segment_frames != 0) write.segment_frames = options.segment_frames;
     write.force = options.replace != 0;
     const std::stop_token stop = TRY(stop_of(options.canceller));

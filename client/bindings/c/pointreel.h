@@ -164,7 +164,7 @@ typedef struct pointreel_reel_info {
   uint64_t duration_us;
   double bounds_min[3], bounds_max[3]; /* of all frames; min > max if no frame has a point */
   int32_t has_colors, has_normals;     /* any frame */
-  char up;                             /* the axis that points up, 'y' or 'z' */
+  char up; /* the axis that points up: 'x', 'y' or 'z', or in capitals if it points down */
 } pointreel_reel_info;
 
 /* `where`: the folder of a package or its reel.json, an http:// or https:// address of either, an
@@ -268,7 +268,7 @@ typedef struct pointreel_write_options {
   size_t struct_size;
   const char* name;        /* of the reel, for people; NULL: that of the folder */
   double fps;              /* 0: 30 */
-  char up;                 /* the axis that points up, 'y' or 'z'; 0: 'y' */
+  char up;                 /* the axis that points up, as in pointreel_reel_info; 0: 'y' */
   int32_t replace;         /* whether a package that is already there is replaced */
   uint32_t segment_frames; /* frames that share a file, and are encoded together; 0: 30 */
   pointreel_canceller* canceller;

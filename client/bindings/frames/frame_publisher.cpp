@@ -24,8 +24,6 @@ Result<std::unique_ptr<FramePublisher>> FramePublisher::open(const std::string& 
   outbox.token = token;
   outbox.ca_file = ca_file;
   if (!is_frame_rate(options.fps)) return fail(ErrorCode::argument, "fps is out of range");
-  if (options.up != 'y' && options.up != 'z')
-    return fail(ErrorCode::argument, "the axis that points up is y or z");
   EncodingOptions named = options;
   if (named.name.empty()) named.name = stream_name_of(url);
   named.encode.executor = tbb_executor();

@@ -42,6 +42,12 @@ using Vector = std::array<double, 3>;
 
 glm::dvec3 to_glm(const Vector& v) { return {v[0], v[1], v[2]}; }
 
+Up up_of(const std::string& text) {
+  const auto up = parse_up(text);
+  if (!up) raise({std::string("up is one of ") + kUpNames, ErrorCode::argument});
+  return *up;
+}
+
 SourceOptions source_options(std::string token, std::string ca_file, bool follow_redirects) {
   SourceOptions options;
   options.token = std::move(token);
@@ -189,7 +195,7 @@ class PyWriter {
           options.output = folder;
           options.name = title;
           options.fps = fps;
-          options.up = up.size() == 1 ? up[0] : ' ';
+          options.up = up_of(up);
           options.force = replace;
           options.segment_frames = segment_frames;
           return without_gil([&] { return PackageWriter::create(options); });
@@ -226,7 +232,7 @@ class PyPublisher {
     EncodingOptions options = encoding;
     options.name = title;
     options.fps = fps;
-    options.up = up.size() == 1 ? up[0] : ' ';
+    options.up = up_of(up);
     publisher_ = interruptible([&](const std::stop_token& stop) {
       return FramePublisher::open(url, token, ca_file, options, stop);
     });
@@ -287,11 +293,9 @@ py::array picture(const PyFrame& frame, int width, int height, const std::string
   PictureOptions options;
   options.size = {width, height};
   const auto known_mode = parse_enum<DrawMode>(mode);
-  const auto known_up = parse_up(up);
   if (!known_mode) raise({"mode is surfel, voxel or point, not " + mode, ErrorCode::argument});
-  if (!known_up) raise({std::string("up is one of ") + kUpNames, ErrorCode::argument});
   options.mode = *known_mode;
-  options.up = *known_up;
+  options.up = up_of(up);
   if (view) options.view = glm::dvec2((*view)[0], (*view)[1]);
   options.zoom = zoom;
   if (bounds) options.box = {to_glm((*bounds)[0]), to_glm((*bounds)[1])};

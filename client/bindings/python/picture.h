@@ -7,9 +7,9 @@
 #include "client/bindings/frames/point_frame.h"
 #include "client/render/image.h"
 #include "client/scene/draw_options.h"
-#include "client/scene/up.h"
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
+#include "pointreel/up.h"
 
 namespace pointreel {
 

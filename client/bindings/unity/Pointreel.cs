@@ -62,7 +62,7 @@ namespace Pointreel
         public ulong DurationUs;
         public double MinX, MinY, MinZ, MaxX, MaxY, MaxZ;
         public int HasColors, HasNormals;
-        public byte Up; // 'y' or 'z'
+        public byte Up; // 'x', 'y' or 'z', or 'X', 'Y' or 'Z' if that axis points down
     }
 
     /// <summary>The functions of libpointreel that a player needs.</summary>

@@ -43,7 +43,7 @@ GlRenderer::GlRenderer()
     : point_({{GL_VERTEX_SHADER,
                {"instancing/shaders/instance.glsl", "instancing/attribute/fetch.glsl",
                 "shaders/point.vert.glsl"}},
-              {GL_FRAGMENT_SHADER, {"shaders/flat.frag.glsl"}}}),
+              {GL_FRAGMENT_SHADER, {"shaders/point.frag.glsl"}}}),
       points_(make_instance_array(0)),
       view_buffer_(gl::Buffer::create()) {
   glNamedBufferStorage(view_buffer_.name(), sizeof(PictureView), nullptr, GL_DYNAMIC_STORAGE_BIT);
@@ -103,8 +103,10 @@ Result<DrawStats> GlRenderer::draw(const Scene& scene, const Camera& camera, glm
   shown_ = shown;
   background_ = options.background;
   const bool late = is_shaded_late(options) && stats.drawn > 0;
-  const PictureView view = make_view(camera, instances_.origin(), size, options.lighting && !late,
-                                     instances_.normals_estimated());
+  const PictureView view =
+      make_view(camera, instances_.origin(), size,
+                light_strength(options.lighting && !late, instances_.colored()),
+                instances_.normals_estimated());
   const PixelRect region = elements_region(options, instances_.bounds(), view.to_clip, size);
   drawn_on_ = options.floor ? PixelRect{glm::ivec2(0), size} : region;
   glViewport(0, 0, size.x, size.y);
@@ -169,7 +171,7 @@ void GlRenderer::set_view(const PictureView& view) const {
 Result<void> GlRenderer::draw_floor(const FloorGrid& grid, const Camera& camera,
                                     const DrawOptions& options) {
   glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
-  set_view(make_view(camera, floor_origin(grid), size_, options.lighting, false));
+  set_view(make_view(camera, floor_origin(grid), size_, 0.0f, false));
   auto drawn = floor_.draw(grid, camera, options.background);
   glEnable(GL_DEPTH_TEST);
   return drawn;

@@ -17,9 +17,9 @@ namespace pointreel {
 /// Pixels count as holes by the rule of FORMULAS.md, "Hole filling". Surfaces are closed, so where
 /// the eye sees the inside of one, a piece in front of it is missing. For that reason the backs of
 /// surfels are drawn into the depth buffer too, where they hide everything behind them. A pixel
-/// that shows a back and no front before it is a hole, however large the hole is. A pixel that
-/// shows neither is an opening, for example between arm and body, and stays open. Backs that are
-/// far from any front belong to a surface with only one side, and are not filled. Where no back is
+/// that shows a back and no front before it is a hole, if fronts cover enough of some square around
+/// it. A pixel that shows neither is an opening, for example between arm and body, and stays open.
+/// Other backs belong to a surface with only one side, and are not filled. Where no back is
 /// visible, a pixel is also closed if the pixels on all sides show something, or if most of the
 /// area around it is covered, within the width of gaps between surfels.
 ///
@@ -45,7 +45,8 @@ class Reconstruction {
   /// Textures that are sampled with linear filtering. This object owns them; they are valid until
   /// the next call.
   struct Filling {
-    GLuint colors;   ///< a quarter of the picture's size; alpha is 0 where no colour is near
+    GLuint colors;  ///< a quarter of the picture's size; alpha: the largest share that is covered
+                    ///< of any square around, with which colours are multiplied
     GLuint crowd;    ///< alpha: the share of a square of the picture that is covered
     int crowd_edge;  ///< edge of that square in pixels
   };

@@ -24,6 +24,9 @@ void for_rows(const Executor& executor, int rows, const std::function<void(int, 
 /// The share of a square that is covered, from which on a pixel in its middle is a hole: at the
 /// outline of a surface no more than half of it is.
 constexpr float kMostlyCovered = 0.7f;
+/// The share that is covered of some square around a hole. A side that is open has no surface
+/// around it that it could be a hole of.
+constexpr float kLeastAround = 0.3f;
 
 /// The seventh root of a number >= 1, the same on every machine: Newton's method from a guess by
 /// the exponent. Wrong by less than 1e-6.
@@ -166,10 +169,9 @@ void HoleFilling::find(const Picture& picture, float radius, const Executor& exe
     for_rows(executor, to.size.y, [&](int begin, int end) {
       for (int y = begin; y < end; ++y) {
         for (int x = 0; x < to.size.x; ++x) {
-          glm::vec4 color = own.at(x, y);
-          if (color.a == 0.0f) color = filled->sample(0.5f * (glm::vec2(x, y) + 0.5f));
-          if (color.a > 0.0f) color /= color.a;
-          to.at(x, y) = color;
+          const glm::vec4& mean = own.at(x, y);
+          const glm::vec4 around = filled->sample(0.5f * (glm::vec2(x, y) + 0.5f));
+          to.at(x, y) = mean.a > 0.0f ? std::max(1.0f, around.a / mean.a) * mean : around;
         }
       }
     });
@@ -228,7 +230,7 @@ void HoleFilling::fill(const Executor& executor, Picture& picture) const {
         if (color.a == kDrawn || !is_hole(picture, x, y)) continue;
         const glm::vec4 mean =
             filled.sample((glm::vec2(x, y) + 0.5f) / static_cast<float>(kFinest));
-        if (mean.a > 0.0f) color = srgb.encode(glm::vec3(mean) / mean.a, kDrawn);
+        if (mean.a >= kLeastAround) color = srgb.encode(glm::vec3(mean) / mean.a, kDrawn);
       }
     }
   });

@@ -45,9 +45,11 @@ class HoleFilling {
 
   bool is_hole(const Picture& picture, int x, int y) const;
 
-  std::vector<Level> pulled_, pushed_;  ///< finest first; the coarsest level is not pushed
-  std::size_t crowd_ = 0;               ///< the level that tells how much around a pixel is covered
-  int crowd_edge_ = 1;                  ///< edge of its squares in pixels
+  /// Finest first; the coarsest level is not pushed. Pushed colours are multiplied by the largest
+  /// share that is covered of any square around.
+  std::vector<Level> pulled_, pushed_;
+  std::size_t crowd_ = 0;  ///< the level that tells how much around a pixel is covered
+  int crowd_edge_ = 1;     ///< edge of its squares in pixels
 };
 
 }  // namespace pointreel

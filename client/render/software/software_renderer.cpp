@@ -137,8 +137,10 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
   shown_ = shown;
   background_ = options.background;
   const bool late = is_shaded_late(options);
-  const PictureView view = make_view(camera, instances_.origin(), size, options.lighting && !late,
-                                     instances_.normals_estimated());
+  const PictureView view =
+      make_view(camera, instances_.origin(), size,
+                light_strength(options.lighting && !late, instances_.colored()),
+                instances_.normals_estimated());
   const PixelRect region = elements_region(options, instances_.bounds(), view.to_clip, size);
   drawn_on_ = options.floor ? PixelRect{glm::ivec2(0), size} : region;
 
@@ -156,7 +158,7 @@ Result<DrawStats> SoftwareRenderer::draw(const Scene& scene, const Camera& camer
   }
   const auto floor = [&] {
     draw_floor(*options.floor, camera,
-               make_view(camera, floor_origin(*options.floor), size, options.lighting, false),
+               make_view(camera, floor_origin(*options.floor), size, 0.0f, false),
                options.background, picture_);
     if (shading && options.light != Light::flat)
       ScreenShading::shade_floor(*shading, shadow_, view, executor_, picture_);
@@ -315,7 +317,9 @@ void SoftwareRenderer::close_surface(const PictureView& view, const ShadingView*
 }
 
 void SoftwareRenderer::present(unsigned framebuffer) {
-  texture_.upload(picture_, drawn_on_);
+  // Where it is enlarged, the filter reads the pixel beside each border of what is copied.
+  const glm::ivec2 size = picture_.grid.size;
+  texture_.upload(picture_, {glm::max(drawn_on_.min - 1, 0), glm::min(drawn_on_.max + 1, size)});
   // The bytes are copied without conversion.
   glDisable(GL_FRAMEBUFFER_SRGB);
   glDisable(GL_SCISSOR_TEST);
@@ -323,7 +327,6 @@ void SoftwareRenderer::present(unsigned framebuffer) {
   glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, background.data());
   if (drawn_on_.empty()) return;
   const auto [from, to] = drawn_on_;
-  const glm::ivec2 size = picture_.grid.size;
   const glm::ivec2 shown_from = from * shown_ / size, shown_to = to * shown_ / size;
   glBlitNamedFramebuffer(texture_.framebuffer(), framebuffer, from.x, from.y, to.x, to.y,
                          shown_from.x, shown_from.y, shown_to.x, shown_to.y, GL_COLOR_BUFFER_BIT,

@@ -21,21 +21,29 @@ glm::vec3 known_normal(const Instance& one, const glm::vec3& from_eye, const Pic
   return view.pixel.y > 0.5f && glm::dot(n, from_eye) > 0.0f ? -n : n;
 }
 
-/// The normal of an element that a pixel shows. `face`: the axis across the face of a voxel.
-glm::vec3 shown_normal(const Instance& one, bool is_cube, std::uint32_t face,
-                       const PictureView& view) {
+/// How far the light tells the faces of a cube apart (voxel.glsl).
+float sides_of(const glm::vec3& center, float half, const PictureView& view) {
+  const float w = (view.to_clip * glm::vec4(center, 1.0f)).w;
+  return glm::smoothstep(2.0f, 8.0f, 2.0f * half / (view.pixel.x * std::max(w, view.eye.w)));
+}
+
+/// The normal of an element that a pixel shows, and the light on it.
+struct Shown {
+  glm::vec3 normal;
+  float light;
+};
+
+/// `face`: the axis across the face of a voxel.
+Shown shown_of(const Instance& one, bool is_cube, std::uint32_t face, const PictureView& view) {
   const glm::vec3 from_eye = one.center - glm::vec3(view.eye);
   glm::vec3 normal = known_normal(one, from_eye, view);
-  if (normal == glm::vec3(0.0f)) {
-    if (is_cube) {
-      const int axis = static_cast<int>(face);
-      normal[axis] = from_eye[axis] <= 0.0f ? 1.0f : -1.0f;
-    } else {
-      const float away = glm::length(from_eye);
-      normal = away > 0.0f ? -from_eye / away : glm::vec3(view.light);
-    }
-  }
-  return normal;
+  if (normal != glm::vec3(0.0f)) return {normal, light_on(normal, view)};
+  const float away = glm::length(from_eye);
+  const glm::vec3 to_eye = away > 0.0f ? -from_eye / away : glm::vec3(view.light);
+  if (!is_cube) return {to_eye, light_on(to_eye, view)};
+  const int axis = static_cast<int>(face);
+  normal[axis] = from_eye[axis] <= 0.0f ? 1.0f : -1.0f;
+  return {normal, light_on(glm::mix(to_eye, normal, sides_of(one.center, one.radius, view)), view)};
 }
 
 std::int16_t bounded(float v, float most) {
@@ -86,7 +94,7 @@ class Solids::Setup {
         std::clamp(2.0f * point.radius / (view_.pixel.x * w), sizes.least, sizes.most);
     const TileRect rect =
         pixels_between(at - 0.5f * size, at + 0.5f * size, 0.0f, glm::vec2(view_.window));
-    if (!is_empty(rect)) block.squares.push_back({view_.eye.w / w, rect, number});
+    if (!is_empty(rect)) block.squares.push_back({at, w, 0.5f * size, rect, number});
   }
 
   void add_cube(const Instance& voxel, std::uint16_t number, Block& block) const {
@@ -127,7 +135,7 @@ class Solids::Setup {
   glm::vec3 right_, up_, forward_, shift_;
 };
 
-void Solids::draw_squares(std::uint32_t block, int tile, Tile& to) const {
+void Solids::draw_squares(std::uint32_t block, int tile, const PictureView& view, Tile& to) const {
   const Block& from = blocks_[block];
   for (const std::uint16_t* i = from.bins.begin(tile); i != from.bins.end(tile); ++i) {
     const Square& square = from.squares[*i];
@@ -135,13 +143,20 @@ void Solids::draw_squares(std::uint32_t block, int tile, Tile& to) const {
               x1 = std::min<int>(square.rect.x1, to.pixels.max.x) - to.pixels.min.x,
               y0 = std::max<int>(square.rect.y0, to.pixels.min.y) - to.pixels.min.y,
               y1 = std::min<int>(square.rect.y1, to.pixels.max.y) - to.pixels.min.y;
-    for (int y = y0; y < y1; ++y)
+    // The depth grows with the square of the distance from the middle.
+    const glm::vec2 first = glm::vec2(to.pixels.min) + 0.5f - square.middle;
+    const float fall = view.pixel.x * square.depth / square.half;
+    for (int y = y0; y < y1; ++y) {
+      const float dy = first.y + static_cast<float>(y);
       for (int x = x0; x < x1; ++x) {
         const auto at = static_cast<std::size_t>(y * kTileStride + x);
-        if (!(square.depth > to.depth[at])) continue;
-        to.depth[at] = square.depth;
+        const float dx = first.x + static_cast<float>(x);
+        const float depth = view.eye.w / (square.depth + fall * (dx * dx + dy * dy));
+        if (!(depth > to.depth[at])) continue;
+        to.depth[at] = depth;
         to.elements[at] = element(block, *i);
       }
+    }
   }
 }
 
@@ -249,7 +264,7 @@ void Solids::draw(std::span<const Instance> instances, bool cubes, PointSizes si
         any = true;
       }
       const auto block = static_cast<std::uint32_t>(i);
-      cubes ? draw_cubes(block, tile, view, to) : draw_squares(block, tile, to);
+      cubes ? draw_cubes(block, tile, view, to) : draw_squares(block, tile, view, to);
     }
     if (!any) return;
     picture.busy[static_cast<std::size_t>(tile)] = 1;
@@ -270,8 +285,9 @@ void Solids::draw(std::span<const Instance> instances, bool cubes, PointSizes si
           const std::size_t instance = cubes ? blocks_[block].cubes[in_block].instance
                                              : blocks_[block].squares[in_block].instance;
           const Instance& shown = instances[block * kBlock + instance];
-          normal = shown_normal(shown, cubes, number & 3u, view);
-          color = srgb.encode(color_of_instance(shown) * light_on(normal, view), kDrawn);
+          const Shown face = shown_of(shown, cubes, number & 3u, view);
+          normal = face.normal;
+          color = srgb.encode(color_of_instance(shown) * face.light, kDrawn);
         }
         if (!picture.normals.empty()) picture.normals[pixel] = normal;
         picture.colors[pixel] = color;

@@ -40,8 +40,11 @@ class Solids {
     TileRect rect;
     std::uint16_t instance;  ///< in its block
   };
+  /// A point (point.frag.glsl).
   struct Square {
-    float depth;
+    glm::vec2 middle;  ///< in the picture
+    float depth;       ///< of the middle
+    float half;        ///< half the edge, in pixels
     TileRect rect;
     std::uint16_t instance;  ///< in its block
   };
@@ -54,7 +57,7 @@ class Solids {
   class Setup;
 
   void draw_cubes(std::uint32_t block, int tile, const PictureView& view, Tile& to) const;
-  void draw_squares(std::uint32_t block, int tile, Tile& to) const;
+  void draw_squares(std::uint32_t block, int tile, const PictureView& view, Tile& to) const;
 
   std::vector<Block> blocks_;
 };

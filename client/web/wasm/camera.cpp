@@ -32,6 +32,11 @@ Up pointreel::up_of(double number) {
   return {static_cast<char>('x' + axis - 1), number < 0.0};
 }
 
+double pointreel::number_of(Up up) {
+  const double axis = up.axis() + 1;
+  return up.reversed() ? -axis : axis;
+}
+
 Camera pointreel::camera_of(const PrCamera& from) {
   Camera camera;
   camera.target = {from.target[0], from.target[1], from.target[2]};
@@ -45,14 +50,13 @@ Camera pointreel::camera_of(const PrCamera& from) {
 }
 
 void pointreel::write(const Camera& from, PrCamera& to) {
-  const double axis = from.up.axis() + 1;
   to = {{from.target.x, from.target.y, from.target.z},
         from.distance,
         from.yaw,
         from.pitch,
         from.fov_y,
         from.scene_radius,
-        from.up.reversed() ? -axis : axis};
+        number_of(from.up)};
 }
 
 void pr_camera_init(PrCamera* camera, double up) {

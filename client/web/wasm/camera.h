@@ -6,6 +6,7 @@
 namespace pointreel {
 
 Up up_of(double number);
+double number_of(Up up);
 Camera camera_of(const PrCamera& from);
 void write(const Camera& from, PrCamera& to);
 

@@ -12,6 +12,7 @@
 
 #include "client/prepare/prepare.h"
 #include "client/render/instances.h"
+#include "client/render/view.h"
 #include "client/scene/cut.h"
 #include "client/scene/legend.h"
 #include "client/scene/refinement.h"
@@ -273,6 +274,7 @@ const PrPacked* pr_pack(std::uint32_t key, const PrView* view) {
   answer.bounds.all_radii = bounds.all_radii;
   answer.bounds.count = static_cast<double>(bounds.count);
   answer.normals_estimated = frame.normals_estimated;
+  answer.light = light_strength(true, shows_own_colors(frame, style.color));
   answer.visited = stats.visited;
   answer.out_of_view = stats.out_of_view;
   answer.hidden = is_tree && style.mode == DrawMode::voxel

@@ -467,8 +467,9 @@ struct PrPacked {
   /// How many indices: of triangles that face the eye, of others, and of those that are turned away
   /// (client/scene/strip_cut.h), in this order.
   double facing, mixed, turned_away;
+  double light;  ///< with lighting: client/render/view.h, light_strength
 };
-static_assert(sizeof(PrPacked) == 23 * 8);
+static_assert(sizeof(PrPacked) == 24 * 8);
 
 /// The elements of a frame that the camera sees, 32 bytes each (client/render/instance.h): centre
 /// and radius as floats, the normal as four signed 16-bit numbers (times 32767), the colour as four

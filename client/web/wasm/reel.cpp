@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "client/source/fetched.h"
+#include "client/web/wasm/camera.h"
 #include "client/web/wasm/errors.h"
 
 using namespace pointreel;
@@ -51,7 +52,7 @@ PrReel pointreel::reel_of(Manifest manifest) {
   info.segments = static_cast<double>(manifest.segments.size());
   info.depth_min = manifest.depth_min;
   info.depth_max = manifest.depth_max;
-  info.up = manifest.up - 'x' + 1;
+  info.up = number_of(manifest.up);
   info.colors = manifest.colors;
   info.normals = manifest.normals;
   info.partial = manifest.partial;

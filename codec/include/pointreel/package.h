@@ -10,6 +10,7 @@
 #include "pointreel/chunks.h"
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
+#include "pointreel/up.h"
 
 /// A package is a folder of plain files that holds a sequence of frames, a reel, and that any HTTP
 /// server can serve: a manifest, `reel.json`, and layer files that never change, one for each layer
@@ -101,7 +102,7 @@ struct ReelHead {
   /// codecs, whose frames stand alone.
   std::uint32_t group_frames = 0;
   double fps = 30.0;  ///< the nominal frame rate; the times of the frames are authoritative
-  char up = 'y';      ///< the axis that points up, 'y' or 'z'
+  Up up = 'y';
   bool colors = false, normals = false;  ///< whether any frame has them
   std::vector<ScalarRange> scalars;      ///< fields that any frame has; at most kMaxScalars
   std::vector<std::string> layer_names;  ///< coarse to fine; scalar fields have one of their own

@@ -179,7 +179,7 @@ class Reel(Frames):
 
     @property
     def up(self) -> str:
-        """The axis that points up: y or z."""
+        """The axis that points up: x, -x, y, -y, z or -z."""
         return str(self.metadata["up"])
 
     @property

@@ -2,7 +2,7 @@
 layout(std140, binding = 0) uniform View {
   mat4 to_clip;  // from the scene to clip coordinates, with reversed depth
   vec4 eye;      // xyz: position in the scene; w: distance of the near plane
-  vec4 light;    // xyz: unit vector towards the light; w: 1 with lighting, 0 without,
+  vec4 light;    // xyz: unit vector towards the light; w: its strength, 0 without lighting,
                  // and 2 to draw 0.5 + 0.5 n in place of colours
   vec4 pixel;    // x: size of a pixel at depth 1; y: 1 if the signs of normals are unknown, else 0
   // The ray from the eye through window coordinates (x, y), scaled to depth 1, is

@@ -1,4 +1,4 @@
-// Voxels and points have a single colour each. The framebuffer encodes it as sRGB.
+// Faces of voxels have a single colour each. The framebuffer encodes it as sRGB.
 flat in vec3 linear_color;
 
 layout(location = 0) out vec4 color;

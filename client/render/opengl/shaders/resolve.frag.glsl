@@ -35,7 +35,10 @@ bool is_hole() {
 void main() {
   vec4 mean = mean_of(texelFetch(sums, ivec2(gl_FragCoord.xy), 0));
   if (mean.a == 0.0 && fill && is_hole()) {
-    mean = textureLod(filled, 0.25 * gl_FragCoord.xy / vec2(textureSize(filled, 0)), 0.0);
+    // A side that is open has no surface around it that it could be a hole of.
+    const float least = 0.3;
+    vec4 around = textureLod(filled, 0.25 * gl_FragCoord.xy / vec2(textureSize(filled, 0)), 0.0);
+    if (around.a >= least) mean = around;
   }
   if (mean.a == 0.0) discard;
   linear_color = vec4(mean.rgb / mean.a, 1.0);

@@ -4,7 +4,7 @@ import { around, EMPTY, Rect } from "./region";
 import { Programs } from "./shaders";
 
 const FINEST = 4;
-const FARTHEST = 8;
+const FARTHEST = 2;
 const GAP = 6.5;
 const BACKS = 16384;
 const FEWEST = 4;

@@ -294,7 +294,7 @@ export class Renderer {
       if (packed.count === 0) return;
       const eye = viewpoint.seenFrom(packed.origin, this.aspect);
       const place = new Place(viewpoint.module, packed.bounds, eye.toClip, size.width, size.height);
-      this.views[i]!.set(eye, packed.origin, size, Number(options.lighting && !isLate), packed.normalsEstimated);
+      this.views[i]!.set(eye, packed.origin, size, options.lighting && !isLate ? packed.light : 0, packed.normalsEstimated);
       drawables.push({ instances: this.instances[i]!, indices: this.indices[i]!, packed, view: this.views[i]!, place, eye,
                        hasSolids: this.mayHaveSolids(place, eye, options.mode) });
     });

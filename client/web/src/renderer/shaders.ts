@@ -12,6 +12,7 @@ import mean from "../../../render/opengl/shaders/mean.glsl";
 import nothing from "../../../render/opengl/shaders/nothing.frag.glsl";
 import open from "../../../render/opengl/shaders/open.frag.glsl";
 import outlines from "../../../render/opengl/shaders/outlines.frag.glsl";
+import pointFragment from "../../../render/opengl/shaders/point.frag.glsl";
 import point from "../../../render/opengl/shaders/point.vert.glsl";
 import pull from "../../../render/opengl/shaders/pull.frag.glsl";
 import pullSums from "../../../render/opengl/shaders/pull_sums.frag.glsl";
@@ -127,7 +128,7 @@ export function makePrograms(gl: WebGL2RenderingContext, hasClipControl: boolean
       sprites: inScene(voxelSprites, [voxelSpriteFragment]),
       solids: inScene([instance, voxel, fetch, mark, voxelMark, voxelFaces, separateTriangles, solid], [flat]),
     },
-    point: inScene([instance, fetch, point], [flat]),
+    point: inScene([instance, fetch, point], [pointFragment]),
     strip: inScene([instance, fetch, stripVertex], [stripFragment]),
     stripDepth: inScene([instance, fetch, stripVertex], [nothing]),
     back: inScene([instance, fetch, back], [nothing]),

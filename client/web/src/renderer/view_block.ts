@@ -21,7 +21,7 @@ export class ViewBlock {
   free(): void { this.gl.deleteBuffer(this.buffer); }
   bind(): void { this.gl.bindBufferBase(this.gl.UNIFORM_BUFFER, VIEW_BINDING, this.buffer); }
 
-  /** `light`: 1 with lighting, 0 without, SHOW_NORMALS. `unsigned`: the signs of normals are unknown. */
+  /** `light`: its strength, 0 without lighting, or SHOW_NORMALS. `unsigned`: the signs of normals are unknown. */
   set(eye: Eye, origin: Vec3, size: Size, light: number, unsigned: boolean): void {
     const { left, right: rightSide, bottom, top } = eye.sides, [right, up, back] = eye.axes;
     const stepX = (rightSide - left) / size.width, stepY = (top - bottom) / size.height;

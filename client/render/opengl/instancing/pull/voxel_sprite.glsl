@@ -29,12 +29,11 @@ float sprite_size(Instance voxel) {
 Sprite make_sprite(Instance voxel) {
   Element e = place(voxel);
   vec3 x = vec3(e.octant.x, 0.0, 0.0), y = vec3(0.0, e.octant.y, 0.0), z = vec3(0.0, 0.0, e.octant.z);
-  bool known = e.normal != vec3(0.0);
+  bool known = e.sides == 0.0;
   if (light.w > 1.5)
     return Sprite(voxel.center - eye.xyz, e.half_edge, vec3(known ? 1.0 : -1.0), sprite_size(voxel),
                   0.5 + 0.5 * e.normal, 0.0);
   return Sprite(voxel.center - eye.xyz, e.half_edge,
-                vec3(light_on(known ? e.normal : x), light_on(known ? e.normal : y),
-                     light_on(known ? e.normal : z)),
+                vec3(light_on(lit_normal(e, x)), light_on(lit_normal(e, y)), light_on(lit_normal(e, z))),
                 sprite_size(voxel), e.color, 0.0);
 }

@@ -1,4 +1,4 @@
-#include "client/scene/up.h"
+#include "pointreel/up.h"
 
 namespace pointreel {
 

@@ -11,14 +11,14 @@ namespace pointreel {
 /// The direction of the world that points up: along one of its axes, or against it.
 class Up {
  public:
-  /// Implicit, because packages and streams name the axis by its letter: 'y' or 'z'.
+  /// Implicit: a letter stands for the axis itself. It is 'x', 'y' or 'z'.
   constexpr Up(char letter, bool reversed = false) : axis_(letter - 'x'), reversed_(reversed) {}
 
   constexpr int axis() const { return axis_; }  ///< 0, 1 or 2
   constexpr bool reversed() const { return reversed_; }
   constexpr Up opposite() const { return {letter(), !reversed_}; }
   glm::dvec3 direction() const;
-  std::string text() const;  ///< as in kUpNames
+  std::string text() const;  ///< as in kUpNames, packages and streams
 
   constexpr bool operator==(const Up&) const = default;
 

@@ -105,6 +105,14 @@ TEST_F(Video, is_verified_unpacked_cut_and_joined) {
   ASSERT_EQ(joined.exit_code, 0) << joined.err;
   EXPECT_EQ(server({"verify", path("joined")}).exit_code, 0);
 
+  // A cut within a group keeps what is needed to decode it, and does not show it.
+  ASSERT_EQ(server({"cut", path("reel"), "-o", path("inner"), "--frames", "6-9"}).exit_code, 0);
+  EXPECT_EQ(server({"verify", path("inner")}).exit_code, 0);
+  const Manifest inner = read_manifest(path("inner")).value();
+  EXPECT_EQ(inner.frame_count(), 6u);
+  EXPECT_EQ(frame_at(inner, 0), 2u);
+  EXPECT_EQ(inner.duration_us, frame_time_us(manifest, 4));
+
   const std::string group = std::to_string(kGroup);
   ASSERT_EQ(pack("again", {"--group", group, "--segment", "8", "--threads", "1"}).exit_code, 0);
   const Manifest again = read_manifest(path("again")).value();

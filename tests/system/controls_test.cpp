@@ -30,7 +30,7 @@ class ControlsTest : public PackTest {
     ASSERT_FALSE(reel().playing());
   }
 
-  static Camera home_for(const Box& bounds, char up) {
+  static Camera home_for(const Box& bounds, Up up) {
     Camera camera;
     camera.up = up;
     camera.frame_bounds(bounds, 1.5);

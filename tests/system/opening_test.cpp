@@ -115,7 +115,7 @@ TEST_F(OpeningTest, can_be_abandoned_while_a_host_does_not_answer) {
   {
     Opening opening(
         {{server.url() + "/reel"}}, options,
-        [&](const Box&, char) {
+        [&](const Box&, Up) {
           EXPECT_FALSE(gone);
           return Camera{};
         },

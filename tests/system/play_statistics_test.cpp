@@ -83,7 +83,7 @@ TEST_F(StatisticsLinesTest, describe_what_is_shown_and_why) {
   stage_options.size = glm::ivec2(4000);
   auto stage = Stage::open(
       {{reel_.string()}}, stage_options,
-      [](const Box& bounds, char) {
+      [](const Box& bounds, Up) {
         Camera camera;
         camera.frame_bounds(bounds, 1.0);
         camera.zoom(0.01);
@@ -124,7 +124,7 @@ TEST_F(StatisticsLinesTest, name_the_sources_if_there_are_several) {
   write_frames(2);
   auto stage = Stage::open(
       {{frames_.string()}, {frames_.string(), {1.0, 0.0, 0.0}}}, {},
-      [](const Box&, char) { return Camera{}; }, [](std::size_t, std::uint32_t, const Error&) {});
+      [](const Box&, Up) { return Camera{}; }, [](std::size_t, std::uint32_t, const Error&) {});
   ASSERT_TRUE(stage) << stage.error().message;
   const auto lines = statistics_lines(**stage, {}, kStart);
   const StatisticsLine source{frames_.filename().string(), ""};

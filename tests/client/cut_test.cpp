@@ -292,7 +292,7 @@ TEST(FinestLevel, rises_with_the_height_of_a_person_in_pixels) {
   const Box person{{-0.3, 0.0, -0.3}, {0.3, 1.8, 0.3}};
   const Cube cube{{-0.9, 0.0, -0.9}, 1.8};
   Camera camera;
-  for (const auto& [pixels, level] : {std::pair{100, 7}, {300, 9}, {700, 10}, {1400, 11}}) {
+  for (const auto& [pixels, level] : {std::pair{90, 7}, {300, 9}, {700, 10}, {1400, 11}}) {
     camera.frame_bounds(person, 1.0);
     // The person is slightly smaller than the picture.
     EXPECT_EQ(finest_level(cube, person, camera, glm::ivec2(pixels), 1.0f), level) << pixels;

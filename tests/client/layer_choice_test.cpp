@@ -58,7 +58,7 @@ TEST(LayerChoice, follows_the_height_of_a_person_in_pixels) {
     const int level = level_for(manifest, camera, glm::ivec2(height), 1.0f);
     return layer_choice(manifest, DrawMode::surfel, level).end;
   };
-  EXPECT_EQ(layers(100), 1u);
+  EXPECT_EQ(layers(90), 1u);
   EXPECT_EQ(layers(300), 2u);
   EXPECT_EQ(layers(700), 3u);
   camera.zoom(0.1);

@@ -159,7 +159,7 @@ TEST_F(PackCommand, refuses_options_that_contradict_each_other) {
                                                        {"--method", "kd-tree"},
                                                        {"--codec", "draco", "--method", "x"},
                                                        {"--segment", "0"},
-                                                       {"--up", "x"},
+                                                       {"--up", "w"},
                                                        {"--codec", "mp4"},
                                                        {"--cube", "none"},
                                                        {"--threads", "-1"},

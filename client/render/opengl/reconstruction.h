@@ -45,8 +45,8 @@ class Reconstruction {
   /// Textures that are sampled with linear filtering. This object owns them; they are valid until
   /// the next call.
   struct Filling {
-    GLuint colors;  ///< a quarter of the picture's size; alpha: the largest share that is covered
-                    ///< of any square around, with which colours are multiplied
+    GLuint colors;   ///< a quarter of the picture's size; alpha: the largest share that is covered
+                     ///< of any square around, with which colours are multiplied
     GLuint crowd;    ///< alpha: the share of a square of the picture that is covered
     int crowd_edge;  ///< edge of that square in pixels
   };

@@ -8,6 +8,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "client/render/view.h"
+
 namespace pointreel::bench {
 namespace {
 
@@ -79,7 +81,8 @@ std::optional<double> sampling_limit(const RenderScene& scene, const ViewTruth& 
   const Neighbors neighbors(cloud, kReach * scene.spacing);
   std::vector<glm::dvec3> colors(cloud.size());
   tbb::parallel_for(std::size_t{0}, cloud.size(), [&](std::size_t i) {
-    colors[i] = lit(color_of(cloud, i), glm::dvec3(cloud.normals[i]), camera);
+    colors[i] = lit(color_of(cloud, i), glm::dvec3(cloud.normals[i]), camera,
+                    light_strength(true, cloud.has_colors()));
   });
   Image best = truth;
   Mask mask(truth.pixels.size(), 0);

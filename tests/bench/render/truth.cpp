@@ -9,6 +9,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "client/render/view.h"
 #include "common/base/try.h"
 
 namespace pointreel::bench {
@@ -149,9 +150,11 @@ glm::u8vec3 srgb_from_linear(const glm::dvec3& color) {
   return srgb;
 }
 
-glm::dvec3 lit(const glm::dvec3& color, const glm::dvec3& normal, const Camera& camera) {
+glm::dvec3 lit(const glm::dvec3& color, const glm::dvec3& normal, const Camera& camera,
+               double strength) {
   const double diffuse = std::max(glm::dot(normal, camera.axes() * kLight), 0.0);
-  return (kAmbient + (1.0 - kAmbient) * diffuse) * color;
+  const double dark = (1.0 - kAmbient) * (1.0 - diffuse);
+  return (1.0 - strength * dark) * color;
 }
 
 std::optional<RayHit> truth_at(const TruthScene& scene, const Camera& camera, glm::ivec2 size,
@@ -183,7 +186,7 @@ TruthPicture cast_truth(const TruthScene& scene, const Camera& camera, glm::ivec
     } else {  // as fake_color in client/render/instances.h
       for (int c = 0; c < 3; ++c) color[c] = linear_from_srgb(0.5 + 0.5 * hit.normal[c]);
     }
-    if (style.lighting) color = lit(color, hit.normal, camera);
+    if (style.lighting) color = lit(color, hit.normal, camera, light_strength(true, style.texture));
     const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(size.x) +
                    static_cast<std::size_t>(x);
     picture.image.pixels[i] = srgb_from_linear(color);

@@ -46,8 +46,9 @@ TruthPicture cast_truth(const TruthScene& scene, const Camera& camera, glm::ivec
 std::optional<RayHit> truth_at(const TruthScene& scene, const Camera& camera, glm::ivec2 size,
                                glm::ivec2 pixel);
 
-/// The colour of a lit surface, in linear light.
-glm::dvec3 lit(const glm::dvec3& color, const glm::dvec3& normal, const Camera& camera);
+/// The colour of a lit surface, in linear light. `strength`: light_strength (client/render/view.h).
+glm::dvec3 lit(const glm::dvec3& color, const glm::dvec3& normal, const Camera& camera,
+               double strength);
 
 double linear_from_srgb(double c);
 /// The nearest colour in 8-bit sRGB.

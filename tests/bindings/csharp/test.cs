@@ -31,7 +31,7 @@ static class Test
     {
         using (Reel reel = new Reel(arguments[0]))
         {
-            Expect(reel.Frames == 7 && reel.Info.Fps == 25.0 && reel.Info.Up == (byte)'z', "the reel's info");
+            Expect(reel.Frames == 7 && reel.Info.Fps == 25.0 && reel.Info.Up == (byte)'Z', "the reel's info");
             Expect(reel.Info.MinX == 1000.0 && reel.Info.MaxX == 1015.0, "the reel's bounds");
             for (int i = 0; i < reel.Frames; ++i)
                 using (Frame frame = reel.Read(i))

@@ -119,9 +119,6 @@ Result<void> check_segment(const Segment& segment, const ReelHead& head, std::ui
   return {};
 }
 
-/// The most frames of a group of video.
-constexpr std::uint32_t kMostGroupFrames = 64;
-
 Result<void> check_group(const ReelHead& head) {
   if (head.codec != "video") {
     if (head.group_frames != 0) return fail("group_frames: is given, but only video has groups");

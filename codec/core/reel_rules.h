@@ -17,6 +17,9 @@
 /// Trust: the values may be hostile. Nothing is allocated but the text of an error.
 namespace pointreel {
 
+/// The most frames of a group of video.
+inline constexpr int kMostGroupFrames = 64;
+
 /// The times of captures are at most this, in microseconds, so that times and durations of any
 /// frames, including the last one's own duration (at most 1e6 / kMinFps), stay within kMaxInteger.
 inline constexpr std::uint64_t kMaxCaptureTime = (std::uint64_t{1} << 53) - 1 - 1'000'000'000'000;

@@ -6,6 +6,7 @@
 
 #include <glm/glm.hpp>
 
+#include "codec/core/reel_rules.h"
 #include "codec/video/views.h"
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
@@ -17,8 +18,6 @@ namespace pointreel {
 inline constexpr int kPatchGrain = 16;
 /// The largest width and height of a picture that holds all patches.
 inline constexpr int kLargestAtlas = 4096;
-/// The most frames of a group.
-inline constexpr int kMostGroupFrames = 64;
 /// The largest value of a depth picture.
 inline constexpr int kDepthValues = 1023;
 

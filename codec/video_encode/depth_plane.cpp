@@ -124,14 +124,12 @@ class DepthOfPatch {
 
 }  // namespace
 
-BlockMask blocks_of(const VideoGroup& group, const ViewLayers& layers) {
+BlockMask blocks_of(const VideoGroup& group, const ViewLayers& layers, int side) {
   BlockMask blocks(group);
   for (const Patch& patch : group.patches) {
     const ViewLayer& layer =
         layers[static_cast<std::size_t>(patch.view)][static_cast<std::size_t>(patch.layer)];
     if (!layer.used()) continue;
-    const int side =
-        static_cast<int>(std::lround(std::sqrt(static_cast<double>(layer.depth.size()))));
     for (int y = 0; y < patch.height && patch.y + y < side; ++y) {
       for (int x = 0; x < patch.width && patch.x + x < side; ++x) {
         const auto pixel = static_cast<std::size_t>(patch.y + y) * static_cast<std::size_t>(side) +

@@ -93,7 +93,7 @@ class GroupEncoder {
                                            group_.height, " pixels, more than ", kLargestAtlas,
                                            " along a side; coarser pixels help"));
     for_each_frame([&](Frame& frame, std::size_t i) {
-      frame.blocks = blocks_of(group_, layers[i]);
+      frame.blocks = blocks_of(group_, layers[i], options_.side);
       frame.mask = pixel_mask(group_, *frame.blocks);
       frame.depth = middle_depth(group_, layers[i], frame.points, frame.mask);
       layers[i] = {};

@@ -244,8 +244,7 @@ bool is_near(const glm::vec3& place, const ViewAxes& axes,
   return false;
 }
 
-}  // namespace
-
+/// Which points have no pixel within one pixel along each axis.
 std::vector<std::uint8_t> uncovered(const SurfacePoints& points,
                                     const std::vector<std::uint8_t>& labels,
                                     const ViewLayers& layers, const Executor& executor) {
@@ -265,6 +264,8 @@ std::vector<std::uint8_t> uncovered(const SurfacePoints& points,
   });
   return left;
 }
+
+}  // namespace
 
 ViewLayers lay_into_views(const SurfacePoints& points, const std::vector<std::uint8_t>& labels,
                           const ViewLayers* before, const Executor& executor) {

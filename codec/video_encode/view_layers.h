@@ -29,9 +29,4 @@ using ViewLayers = std::array<std::array<ViewLayer, kViewLayers>, kViews>;
 ViewLayers lay_into_views(const SurfacePoints& points, const std::vector<std::uint8_t>& labels,
                           const ViewLayers* before, const Executor& executor = {});
 
-/// Which points have no pixel within one pixel along each axis.
-std::vector<std::uint8_t> uncovered(const SurfacePoints& points,
-                                    const std::vector<std::uint8_t>& labels,
-                                    const ViewLayers& layers, const Executor& executor = {});
-
 }  // namespace pointreel

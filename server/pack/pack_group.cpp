@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include <tbb/task_arena.h>
 
@@ -23,8 +22,7 @@ constexpr double kMergedShare = 0.6;
 /// The edge of a pixel in spacings of cleaned points.
 constexpr double kSpacings = 1.25;
 
-/// Quantisers that go together: at each rate, the pair whose pictures are nearest to the source's
-/// (QUALITY.md, "Video").
+/// Quantisers that go together. QUALITY.md, "Video", gives rate and error of each pair.
 struct Quantizers {
   int quality, depth, color;
 };

@@ -39,11 +39,11 @@ inline std::uint64_t spread(std::uint32_t v) {
 /// of the key. Each level of the tree therefore takes three bits of the key, x lowest, and they are
 /// the number of the child that contains the cell, which is also its bit in the parent's mask.
 inline std::uint64_t morton_encode(const glm::uvec3& cell) {
-  using namespace morton;
-  if ((cell.x | cell.y | cell.z) >> (2 * kDigitBits) == 0) {
-    return spread_short(cell.x) | spread_short(cell.y) << 1 | spread_short(cell.z) << 2;
+  if ((cell.x | cell.y | cell.z) >> (2 * morton::kDigitBits) == 0) {
+    return morton::spread_short(cell.x) | morton::spread_short(cell.y) << 1 |
+           morton::spread_short(cell.z) << 2;
   }
-  return spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2;
+  return morton::spread(cell.x) | morton::spread(cell.y) << 1 | morton::spread(cell.z) << 2;
 }
 
 /// The inverse of morton_encode.

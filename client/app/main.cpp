@@ -1,15 +1,13 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 
 #include "client/app/play_command.h"
 #include "client/app/player.h"
 #include "client/playback/opening.h"
 #include "common/command_line/command.h"
-#include "common/process/memory.h"
 #include "common/process/print.h"
-#include "common/process/standard_output.h"
+#include "common/process/run_main.h"
 
 namespace pointreel {
 namespace {
@@ -43,12 +41,5 @@ int run(int argc, char** argv) {
 }  // namespace pointreel
 
 int main(int argc, char** argv) {
-  pointreel::keep_freed_memory();
-  int exit_code = 1;
-  try {
-    exit_code = pointreel::run(argc, argv);
-  } catch (const std::exception& error) {
-    pointreel::print_error("pointreel", error.what());
-  }
-  return pointreel::finish_output("pointreel", exit_code);
+  return pointreel::run_main("pointreel", [&] { return pointreel::run(argc, argv); });
 }

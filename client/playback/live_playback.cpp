@@ -7,6 +7,7 @@
 #include "client/prepare/layer_choice.h"
 #include "client/scene/cut.h"
 #include "common/base/unix_time.h"
+#include "common/threads/without_exceptions.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {
@@ -29,21 +30,26 @@ LivePlayback::LivePlayback(std::unique_ptr<LiveSource> source, std::string name,
       on_ready_(std::move(on_ready)),
       name_(std::move(name)),
       prepare_(options.prepare) {
-  receiver_ = std::thread([this] { receive(); });
-  for (unsigned i = 0; i < std::max(1u, options.prepare_threads); ++i) {
-    preparers_.emplace_back([this] { prepare(); });
+  try {
+    receiver_ = std::jthread([this] { receive(); });
+    for (unsigned i = 0; i < std::max(1u, options.prepare_threads); ++i) {
+      preparers_.emplace_back([this] { prepare(); });
+    }
+  } catch (...) {
+    end();  // the threads that there are must not wait for frames any more
+    throw;
   }
 }
 
-LivePlayback::~LivePlayback() {
+LivePlayback::~LivePlayback() { end(); }
+
+void LivePlayback::end() {
   {
     const std::lock_guard lock(mutex_);
     ending_ = true;
   }
   changed_.notify_all();
   source_->cancel();
-  receiver_.join();
-  for (std::thread& thread : preparers_) thread.join();
 }
 
 Up LivePlayback::up() const {
@@ -129,7 +135,7 @@ void LivePlayback::prepare() {
       if (ending_) return;
       received = *std::exchange(received_, std::nullopt);
     }
-    auto frame = prepare(received.frame);
+    auto frame = without_exceptions([&] { return prepare(received.frame); });
     if (!frame) {
       ++errors_;
       on_error_(received.frame.number, frame.error());

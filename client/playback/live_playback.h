@@ -79,6 +79,7 @@ class LivePlayback : public Playback {
     std::shared_ptr<const SceneFrame> frame;
   };
 
+  void end();
   void receive();
   void prepare();
   Result<SceneFrame> prepare(LiveFrame& frame);
@@ -107,8 +108,8 @@ class LivePlayback : public Playback {
   glm::ivec2 size_{0};
   int level_ = kWholeFrame;  ///< the finest that the camera shows
 
-  std::thread receiver_;
-  std::vector<std::thread> preparers_;
+  std::jthread receiver_;
+  std::vector<std::jthread> preparers_;
 };
 
 }  // namespace pointreel

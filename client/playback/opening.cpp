@@ -6,9 +6,12 @@
 #include <mutex>
 #include <optional>
 #include <stop_token>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "common/threads/without_exceptions.h"
 
 namespace pointreel {
 
@@ -42,17 +45,25 @@ constexpr std::chrono::milliseconds kErrandPatience{100};
 /// The threads of all errands.
 class Errands {
  public:
-  /// Calls `work` on a new thread and destroys it there; then the errand ends.
+  /// Calls `work` on a new thread, or here where none can be had, and destroys it there; then the
+  /// errand ends.
   template <class Work>
   void start(std::shared_ptr<Errand> errand, Work work) {
-    const std::lock_guard lock(mutex_);
-    join_ended();
-    std::thread thread([errand, work = std::optional(std::move(work))]() mutable {
-      (*work)();
-      work.reset();
+    const auto run = [errand, work = std::make_shared<std::optional<Work>>(std::move(work))] {
+      (**work)();
+      work->reset();
       errand->end();
-    });
-    running_.push_back({std::move(errand), std::move(thread)});
+    };
+    std::unique_lock lock(mutex_);
+    join_ended();
+    running_.push_back({std::move(errand), {}});
+    try {
+      running_.back().thread = std::thread(run);
+    } catch (const std::system_error&) {
+      running_.pop_back();
+      lock.unlock();
+      run();
+    }
   }
 
   bool any() {
@@ -122,16 +133,18 @@ Opening::Opening(std::vector<Stage::Placed> sources, Stage::Options options,
     shared->trouble = line;
   };
   auto open = [shared = shared_, sources = std::move(sources), options = std::move(options)] {
-    Opened opened = Stage::open(
-        sources, options,
-        [&shared](const Box& bounds, Up up) {
-          const std::lock_guard lock(shared->calling);
-          return shared->given_up ? Camera{} : shared->camera_for(bounds, up);
-        },
-        [shared](std::size_t source, std::uint32_t frame, const Error& error) {
-          const std::lock_guard lock(shared->calling);
-          if (!shared->given_up) shared->on_error(source, frame, error);
-        });
+    Opened opened = without_exceptions([&] {
+      return Stage::open(
+          sources, options,
+          [&shared](const Box& bounds, Up up) {
+            const std::lock_guard lock(shared->calling);
+            return shared->given_up ? Camera{} : shared->camera_for(bounds, up);
+          },
+          [shared](std::size_t source, std::uint32_t frame, const Error& error) {
+            const std::lock_guard lock(shared->calling);
+            if (!shared->given_up) shared->on_error(source, frame, error);
+          });
+    });
     {
       const std::lock_guard lock(shared->mutex);
       if (!shared->unwanted) {

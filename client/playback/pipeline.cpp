@@ -7,6 +7,8 @@
 
 #include <tbb/info.h>
 
+#include "common/threads/without_exceptions.h"
+
 namespace pointreel {
 
 namespace {
@@ -26,18 +28,23 @@ Pipeline::Pipeline(Source& source, FrameBuffer& buffer, Prepare prepare, OnError
       prepare_(std::move(prepare)),
       on_error_(std::move(on_error)),
       arena_(arena_for(static_cast<int>(std::max(1u, options.prepare_threads)))) {
-  for (unsigned i = 0; i < std::max(1u, options.fetch_threads); ++i)
-    fetch_threads_.emplace_back([this] { fetch_frames(); });
-  for (unsigned i = 0; i < std::max(1u, options.prepare_threads); ++i)
-    prepare_threads_.emplace_back([this] { prepare_frames(); });
+  try {
+    for (unsigned i = 0; i < std::max(1u, options.fetch_threads); ++i)
+      fetch_threads_.emplace_back([this] { fetch_frames(); });
+    for (unsigned i = 0; i < std::max(1u, options.prepare_threads); ++i)
+      prepare_threads_.emplace_back([this] { prepare_frames(); });
+  } catch (...) {
+    end();  // the threads that there are must not wait for frames any more
+    throw;
+  }
 }
 
-Pipeline::~Pipeline() {
+Pipeline::~Pipeline() { end(); }
+
+void Pipeline::end() {
   ending_ = true;
   buffer_.close();
   source_.cancel();
-  for (std::thread& thread : fetch_threads_) thread.join();
-  for (std::thread& thread : prepare_threads_) thread.join();
 }
 
 void Pipeline::report(std::uint32_t frame, const Error& error) {
@@ -48,7 +55,7 @@ void Pipeline::report(std::uint32_t frame, const Error& error) {
 void Pipeline::fetch_frames() {
   while (const auto request = buffer_.next_fetch()) {
     const auto start = std::chrono::steady_clock::now();
-    auto frame = source_.fetch(*request);
+    auto frame = without_exceptions([&] { return source_.fetch(*request); });
     const double ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     if (frame) {
@@ -64,7 +71,8 @@ void Pipeline::fetch_frames() {
 }
 
 Result<SceneFrame> Pipeline::prepare(const FrameRequest& request, const FetchedFrame& fetched) {
-  return arena_.execute([&] { return prepare_(request, fetched); });
+  return without_exceptions(
+      [&] { return arena_.execute([&] { return prepare_(request, fetched); }); });
 }
 
 void Pipeline::prepare_frames() {

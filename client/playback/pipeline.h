@@ -43,6 +43,7 @@ class Pipeline {
   std::uint64_t fetched_bytes() const { return fetched_bytes_; }
 
  private:
+  void end();
   void fetch_frames();
   void prepare_frames();
   Result<SceneFrame> prepare(const FrameRequest& request, const FetchedFrame& fetched);
@@ -57,7 +58,7 @@ class Pipeline {
   tbb::task_arena arena_;
   std::atomic<std::uint64_t> errors_{0}, refetched_{0}, fetched_bytes_{0};
   std::atomic<bool> ending_{false};
-  std::vector<std::thread> fetch_threads_, prepare_threads_;
+  std::vector<std::jthread> fetch_threads_, prepare_threads_;
 };
 
 }  // namespace pointreel

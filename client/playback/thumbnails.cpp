@@ -10,6 +10,7 @@
 #include "client/prepare/layer_choice.h"
 #include "client/prepare/prepare.h"
 #include "common/base/try.h"
+#include "common/threads/without_exceptions.h"
 
 namespace pointreel {
 namespace {
@@ -75,7 +76,7 @@ void Thumbnails::run() {
     wanted_.pop_back();
     making_ = frame;
     lock.unlock();
-    auto made = alone.execute([&] { return make(frame); });
+    auto made = without_exceptions([&] { return alone.execute([&] { return make(frame); }); });
     lock.lock();
     making_.reset();
     if (stop_.stop_requested()) return;

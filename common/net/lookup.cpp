@@ -4,12 +4,13 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 #include <netdb.h>
 #include <sys/socket.h>
+
+#include "common/threads/run_detached.h"
 
 namespace pointreel {
 namespace {
@@ -56,7 +57,7 @@ Result<std::vector<tcp::endpoint>> look_up(const std::string& host, std::uint16_
   const auto address = boost::asio::ip::make_address(host, no_address);
   if (!no_address) return std::vector{tcp::endpoint(address, port)};
   const auto lookup = std::make_shared<Lookup>();
-  std::thread([lookup, host, port] { run(*lookup, host, port); }).detach();
+  run_detached([lookup, host, port] { run(*lookup, host, port); });
   std::unique_lock lock(lookup->mutex);
   const bool answered =
       lookup->changed.wait_for(lock, stop, timeout, [&] { return lookup->answered; });

@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -16,6 +15,7 @@
 #include "common/base/try.h"
 #include "common/command_line/token_option.h"
 #include "common/process/print.h"
+#include "common/threads/run_detached.h"
 #include "server/commands/commands.h"
 #include "server/relay/relay.h"
 #include "server/serve/http_server.h"
@@ -58,9 +58,9 @@ void allow_open_files(std::size_t connections) {
 /// Prints a line to standard output. Whoever reads it may have stopped reading, which must keep the
 /// server neither from serving nor from ending.
 void announce(std::string line) {
-  std::thread([line = std::move(line)] {
+  run_detached([line = std::move(line)] {
     if (::write(STDOUT_FILENO, line.data(), line.size()) < 0) return;  // nobody wants to know
-  }).detach();
+  });
 }
 
 /// The options that the command line may not give in this combination.

@@ -63,17 +63,4 @@ void for_each_frame(std::uint32_t n, const InspectListener& listener, const Work
   });
 }
 
-/// Calls `work()` and returns its result. Libraries below may throw, above all if there is not
-/// enough memory; this returns an error instead.
-template <class Work>
-auto without_exceptions(const Work& work) -> decltype(work()) {
-  try {
-    return work();
-  } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::limit, "not enough memory");
-  } catch (const std::exception& e) {
-    return fail(e.what());
-  }
-}
-
 }  // namespace pointreel

@@ -20,7 +20,9 @@
 #include "common/base/words.h"
 #include "common/file_system/output_folder.h"
 #include "common/file_system/write_file.h"
+#include "common/threads/stoppable.h"
 #include "common/threads/tbb_executor.h"
+#include "common/threads/without_exceptions.h"
 #include "server/inspect/inspect.h"
 #include "server/inspect/read_package.h"
 #include "server/inspect/unpack_mesh.h"
@@ -63,10 +65,14 @@ Result<void> may_replace_frames(const fs::path& folder) {
 /// The frames of a package that were asked for.
 class Unpacking {
  public:
-  Unpacking(const UnpackOptions& options, const Manifest& manifest)
-      : options_(options), manifest_(manifest), decoder_(options.max_memory) {}
+  Unpacking(const UnpackOptions& options, const Manifest& manifest, const InspectListener& listener)
+      : options_(options),
+        manifest_(manifest),
+        listener_(listener),
+        executor_(stoppable(tbb_executor(), listener.stop, kInterrupted)),
+        decoder_(options.max_memory) {}
 
-  Result<UnpackReport> run(const InspectListener& listener) {
+  Result<UnpackReport> run() {
     TRY(check());
     if (manifest_.tables) {
       const auto read = decoder_.read_tables(options_.input, *manifest_.tables);
@@ -77,9 +83,9 @@ class Unpacking {
     const std::uint32_t frames = manifest_.frame_count();
     last_ = std::min<std::uint32_t>(options_.last_frame, frames - 1);
     report_.frames = frames == 0 ? 0 : last_ - options_.first_frame + 1;
-    if (listener.begin) listener.begin(report_.frames);
-    TRY(write_all(folder.path(), listener));
-    if (listener.stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
+    if (listener_.begin) listener_.begin(report_.frames);
+    TRY(write_all(folder.path()));
+    if (listener_.stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
     if (manifest_.audio) TRY(copy_audio(folder.path()));
     TRY(folder.publish());
     return report_;
@@ -105,10 +111,10 @@ class Unpacking {
     std::error_code error;
     fs::copy_file(source, folder / kUnpackedAudio, error);
     if (!error) return {};
-    return fail(ErrorCode::io,
-                fmt::format("{}: cannot be copied to {}: {}; check that the disk is not full",
-                            options_.input.shown(*manifest_.audio),
-                            (folder / kUnpackedAudio).string(), error.message()));
+    return fail(
+        ErrorCode::io,
+        fmt::format("{}: cannot be copied to {}: {}", options_.input.shown(*manifest_.audio),
+                    (folder / kUnpackedAudio).string(), why_not_written(error.value())));
   }
 
   Result<PointCloud> decode(std::uint32_t frame) const {
@@ -132,7 +138,7 @@ class Unpacking {
     const bool has_points = !cloud.empty();
     MeshOptions options = options_.mesh->options;
     options.max_memory = options_.max_memory;
-    Result<TriangleMesh> mesh = make_mesh(std::move(cloud), options, tbb_executor());
+    Result<TriangleMesh> mesh = make_mesh(std::move(cloud), options, executor_);
     if (!mesh && mesh.error().code == ErrorCode::limit) {
       return fail(ErrorCode::limit, fmt::format("{}: {}; raise --frame-memory, or ask for a larger "
                                                 "--cell",
@@ -171,18 +177,18 @@ class Unpacking {
     return write_mesh(path, TRY(mesh(frame)), options_.mesh->format, manifest_.name, manifest_.up);
   }
 
-  Result<void> write_all(const fs::path& folder, const InspectListener& listener) {
-    if (options_.recording) return write_recording(folder, listener);
-    if (options_.mesh && options_.mesh->animation) return write_animation(folder, listener);
-    return write_files(folder, listener);
+  Result<void> write_all(const fs::path& folder) {
+    if (options_.recording) return write_recording(folder);
+    if (options_.mesh && options_.mesh->animation) return write_animation(folder);
+    return write_files(folder);
   }
 
-  Result<void> write_files(const fs::path& folder, const InspectListener& listener) {
+  Result<void> write_files(const fs::path& folder) {
     const std::size_t digits = std::max<std::size_t>(kDigits, fmt::format("{}", last_).size());
     const char* ending =
         options_.mesh ? extension(options_.mesh->format) : extension(options_.format);
     std::optional<std::pair<std::uint32_t, Error>> first_error;
-    for_each_frame(report_.frames, listener, [&](std::uint32_t i) {
+    for_each_frame(report_.frames, listener_, [&](std::uint32_t i) {
       const std::uint32_t frame = options_.first_frame + i;
       const fs::path path = folder / fmt::format("frame_{:0{}}{}", frame, digits, ending);
       if (const Result<void> done = write(frame, path); !done) {
@@ -196,12 +202,12 @@ class Unpacking {
 
   /// One frame after another, so that the file does not depend on which is ready first. All threads
   /// work on each.
-  Result<void> write_animation(const fs::path& folder, const InspectListener& listener) {
+  Result<void> write_animation(const fs::path& folder) {
     GlbWriter glb(folder / kAnimation, manifest_.name, manifest_.up);
-    for (std::uint32_t i = 0; i < report_.frames && !listener.stop.stop_requested(); ++i) {
+    for (std::uint32_t i = 0; i < report_.frames && !listener_.stop.stop_requested(); ++i) {
       const std::uint32_t frame = options_.first_frame + i;
       TRY(glb.add(TRY(mesh(frame)), frame_time_us(manifest_, frame)));
-      if (listener.frame_done) listener.frame_done();
+      if (listener_.frame_done) listener_.frame_done();
     }
     const bool to_the_end = report_.frames == 0 || last_ + 1 == manifest_.frame_count();
     return glb.finish(to_the_end ? manifest_.duration_us : frame_time_us(manifest_, last_ + 1));
@@ -209,7 +215,7 @@ class Unpacking {
 
   /// Frames are decoded and compressed in parallel, and written in order. No more are under way
   /// than there are threads.
-  Result<void> write_recording(const fs::path& folder, const InspectListener& listener) {
+  Result<void> write_recording(const fs::path& folder) {
     // Messages have seconds in 31 bits.
     constexpr std::uint64_t kLatest = 2'000'000'000'000'000;
     const std::uint64_t captured = manifest_.captured_us.value_or(0);
@@ -218,7 +224,7 @@ class Unpacking {
     std::uint32_t next = 0;
     Result<void> written;
     const auto begin = [&](tbb::flow_control& control) {
-      if (next == report_.frames || !written || listener.stop.stop_requested()) control.stop();
+      if (next == report_.frames || !written || listener_.stop.stop_requested()) control.stop();
       return options_.first_frame + next++;
     };
     const auto make = [&](std::uint32_t frame) -> Result<RecordedFrame> {
@@ -229,7 +235,7 @@ class Unpacking {
     const auto write = [&](const Result<RecordedFrame>& frame) {
       if (!written) return;
       written = frame ? recording.add(*frame) : tl::unexpected(frame.error());
-      if (listener.frame_done) listener.frame_done();
+      if (listener_.frame_done) listener_.frame_done();
     };
     tbb::parallel_pipeline(
         static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()),
@@ -244,6 +250,8 @@ class Unpacking {
 
   const UnpackOptions& options_;
   const Manifest& manifest_;
+  const InspectListener& listener_;
+  const Executor executor_;
   FrameDecoder decoder_;
   std::uint32_t last_ = 0;
   std::mutex mutex_;
@@ -255,7 +263,7 @@ class Unpacking {
 Result<UnpackReport> unpack(const UnpackOptions& options, const InspectListener& listener) {
   return without_exceptions([&]() -> Result<UnpackReport> {
     const Manifest manifest = TRY(options.input.manifest());
-    return Unpacking(options, manifest).run(listener);
+    return Unpacking(options, manifest, listener).run();
   });
 }
 

@@ -15,6 +15,7 @@
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "common/file_system/open_file.h"
+#include "common/threads/without_exceptions.h"
 #include "server/inspect/inspect.h"
 #include "server/inspect/read_package.h"
 #include "server/pack/audio.h"

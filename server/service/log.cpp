@@ -5,7 +5,6 @@
 #include <chrono>
 #include <ctime>
 #include <future>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,6 +13,8 @@
 #include <spdlog/details/null_mutex.h>
 #include <spdlog/sinks/base_sink.h>
 #include <unistd.h>
+
+#include "common/threads/run_detached.h"
 
 namespace pointreel {
 namespace {
@@ -62,10 +63,10 @@ Log::~Log() {
   // The thread that writes may wait for a pipe that nobody reads. It then ends with the process.
   std::promise<void> ending;
   const std::future<void> ended = ending.get_future();
-  std::thread([writer = std::move(writer_), ending = std::move(ending)]() mutable {
+  run_detached([writer = std::move(writer_), ending = std::move(ending)]() mutable {
     writer.reset();
     ending.set_value();
-  }).detach();
+  });
   ended.wait_for(kLastLines);
 }
 

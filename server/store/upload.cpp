@@ -108,10 +108,11 @@ class FileUploads {
     audio_ = audio;
     next_ = 0;
     error_.reset();
-    std::vector<std::thread> threads;
-    for (std::size_t i = 0; i < std::min(kConnections, files.size()); ++i)
-      threads.emplace_back([this] { work(); });
-    for (std::thread& thread : threads) thread.join();
+    {
+      std::vector<std::jthread> threads;
+      for (std::size_t i = 0; i < std::min(kConnections, files.size()); ++i)
+        threads.emplace_back([this] { work(); });
+    }
     if (error_) return tl::unexpected(*error_);
     return {};
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <new>
 #include <random>
 #include <set>
 
@@ -177,6 +178,25 @@ TEST(Pipeline, damaged_frames_are_reported_and_playback_goes_on) {
   const std::multiset<std::uint32_t> damaged{0, 7, 12};
   EXPECT_TRUE(wait_until([&] { return errors.seen() == damaged; }));
   EXPECT_EQ(pipeline.errors(), 3u);
+}
+
+TEST(Pipeline, a_frame_that_has_no_memory_fails_alone) {
+  FakeSource source(3);
+  FrameBuffer buffer(once(3, 2));
+  Errors errors;
+  Pipeline pipeline(
+      source, buffer,
+      [&](const FrameRequest& request, const FetchedFrame& fetched) -> Result<SceneFrame> {
+        if (request.frame == 1) throw std::bad_alloc();
+        return prepare(request, fetched);
+      },
+      errors.sink(), {1, 1});
+  for (std::uint32_t frame = 0; frame < 3; ++frame) {
+    buffer.advance(frame);
+    ASSERT_EQ(buffer.wait(kLong),
+              frame == 1 ? FrameBuffer::State::failed : FrameBuffer::State::ready);
+  }
+  EXPECT_TRUE(wait_until([&] { return errors.seen() == std::multiset<std::uint32_t>{1}; }));
 }
 
 TEST(Pipeline, fetching_stops_when_the_buffer_is_full) {

@@ -10,6 +10,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "common/threads/stoppable.h"
+#include "common/threads/without_exceptions.h"
 #include "tests/wait.h"
 
 namespace pointreel::tbb_executor_test {
@@ -45,6 +47,25 @@ TEST(TbbExecutor, begins_no_unrelated_work_while_it_waits_for_its_jobs) {
     });
   });
   EXPECT_EQ(nested, 0);
+}
+
+TEST(TbbExecutor, work_that_was_asked_to_stop_is_an_error) {
+  std::stop_source stop;
+  int done = 0;
+  const auto work = [&]() -> Result<int> {
+    tbb::task_arena arena(1);
+    arena.execute([&] {
+      stoppable(tbb_executor(), stop.get_token(), "stopped here")(10, [&](int) {
+        if (++done == 3) stop.request_stop();
+      });
+    });
+    return done;
+  };
+  const auto outcome = without_exceptions(work);
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().code, ErrorCode::cancelled);
+  EXPECT_EQ(outcome.error().message, "stopped here");
+  EXPECT_EQ(done, 3);
 }
 
 }  // namespace

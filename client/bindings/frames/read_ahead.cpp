@@ -4,6 +4,8 @@
 #include <functional>
 #include <utility>
 
+#include "common/threads/without_exceptions.h"
+
 namespace pointreel {
 namespace {
 
@@ -18,10 +20,17 @@ ReadAhead::ReadAhead(std::shared_ptr<Source> source, std::vector<std::uint32_t> 
   outer_stop_.emplace(limits.stop, [this] { stop_.request_stop(); });
   limits_.stop = stop_.get_token();
   const std::size_t threads = std::min({kMostThreads, ahead_, order_.size()});
-  for (std::size_t i = 0; i < threads; ++i) threads_.emplace_back([this] { read(); });
+  try {
+    for (std::size_t i = 0; i < threads; ++i) threads_.emplace_back([this] { read(); });
+  } catch (...) {
+    end();  // the threads that there are must not wait to be asked for frames any more
+    throw;
+  }
 }
 
-ReadAhead::~ReadAhead() {
+ReadAhead::~ReadAhead() { end(); }
+
+void ReadAhead::end() {
   {
     const std::lock_guard lock(mutex_);
     ending_ = true;
@@ -29,7 +38,6 @@ ReadAhead::~ReadAhead() {
   changed_.notify_all();
   outer_stop_.reset();
   stop_.request_stop();
-  for (std::thread& thread : threads_) thread.join();
 }
 
 bool ReadAhead::ended() const {
@@ -58,7 +66,7 @@ void ReadAhead::read() {
     if (ending_ || begun_ == order_.size()) return;
     const std::size_t place = begun_++;
     lock.unlock();
-    auto frame = read_points(*source_, order_[place], limits_);
+    auto frame = without_exceptions([&] { return read_points(*source_, order_[place], limits_); });
     lock.lock();
     read_.emplace(place, std::move(frame));
     changed_.notify_all();

@@ -37,6 +37,7 @@ class ReadAhead {
   std::optional<Result<SharedFrame>> next(std::chrono::milliseconds timeout);
 
  private:
+  void end();
   void read();
 
   const std::shared_ptr<Source> source_;
@@ -52,7 +53,7 @@ class ReadAhead {
   std::size_t begun_ = 0, taken_ = 0;
   bool ending_ = false;
 
-  std::vector<std::thread> threads_;
+  std::vector<std::jthread> threads_;
 };
 
 }  // namespace pointreel

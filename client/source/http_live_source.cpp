@@ -1,6 +1,7 @@
 #include "client/source/http_live_source.h"
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <iterator>
@@ -16,6 +17,7 @@
 #include "codec/package/http_folder.h"
 #include "common/base/try.h"
 #include "common/http/http_client.h"
+#include "common/threads/without_exceptions.h"
 #include "pointreel/package.h"
 
 namespace pointreel {
@@ -90,20 +92,25 @@ class HttpLiveSource : public LiveSource {
         with_sound_(options.sound),
         on_trouble_(options.on_trouble),
         client_(options) {
-    fetcher_ = std::thread([this] { fetch(); });
-    pacer_ = std::thread([this] { pace(); });
+    fetcher_ = std::jthread([this] { fetch(); });
+    try {
+      pacer_ = std::jthread([this] { pace(); });
+    } catch (...) {
+      HttpLiveSource::cancel();  // or else the other thread goes on
+      throw;
+    }
   }
-  ~HttpLiveSource() override {
-    HttpLiveSource::cancel();
-    fetcher_.join();
-    pacer_.join();
-  }
+  ~HttpLiveSource() override { HttpLiveSource::cancel(); }
 
   std::optional<LiveHello> hello(milliseconds timeout) override {
     return assembler_.hello(timeout);
   }
   std::optional<LiveFrame> next(milliseconds timeout) override { return assembler_.next(timeout); }
-  LiveCounts counts() const override { return assembler_.counts(); }
+  LiveCounts counts() const override {
+    LiveCounts counts = assembler_.counts();
+    counts.skipped += left_out_;
+    return counts;
+  }
 
   void set_on_sound(OnSound on_sound) override {
     const std::lock_guard lock(sound_mutex_);
@@ -143,8 +150,11 @@ class HttpLiveSource : public LiveSource {
           set_trouble(folder_.base + ": " + manifest.error().message);
         else if (!manifest->live)
           set_trouble(folder_.base + ": is a package, not a live stream");
+        else if (const auto next =
+                     without_exceptions([&]() -> Result<milliseconds> { return take(*manifest); }))
+          pause = *next;
         else
-          pause = take(*manifest);
+          set_trouble(folder_.base + ": " + next.error().message);
       }
       wait(pause);
     }
@@ -178,10 +188,19 @@ class HttpLiveSource : public LiveSource {
       return live.start_us + segment.times_us.back() > newest_us_;
     };
     auto first = std::find_if(manifest.segments.begin(), manifest.segments.end(), is_new);
-    if (manifest.segments.end() - first > 2 || newest_us_ == 0) first = manifest.segments.end() - 1;
+    if (newest_us_ == 0) first = manifest.segments.end() - 1;
+    // What a cache holds back for a while comes late, but all of it is shown; what is later than
+    // that is left out, so that the delay does not grow.
+    const auto length = length_of(manifest.segments.back(), manifest.fps);
+    const auto is_late = [&](const Segment& segment) {
+      const auto behind = std::chrono::microseconds(manifest.segments.back().times_us.back() -
+                                                    segment.times_us.back());
+      return behind > std::max<std::chrono::microseconds>(kTooLate, length);
+    };
+    for (; first != manifest.segments.end() && is_late(*first); ++first)
+      left_out_ += first->frame_count();
     for (auto segment = first; segment != manifest.segments.end(); ++segment)
       if (!is_new(*segment) || !fetch_segment(manifest, *segment)) break;
-    const auto length = length_of(manifest.segments.back(), manifest.fps);
     return std::clamp(std::chrono::duration_cast<milliseconds>(length) / kPollsPerSegment,
                       kShortestPoll, kLongestPoll);
   }
@@ -205,13 +224,19 @@ class HttpLiveSource : public LiveSource {
     // segments.
     const std::uint64_t shown_us = newest_us_;
     newest_us_ = manifest.live->start_us + segment.times_us.back();
-    if (!files) return false;
+    if (!files) {
+      left_out_ += segment.frame_count();
+      return false;
+    }
     const auto now = std::chrono::steady_clock::now();
     const auto length = length_of(segment, manifest.fps);
     budget_.took(now - begin, length, segment.layers.size());
     // After the connection was lost for a while a segment is outdated when it comes, and does not
     // tell how long the next ones will take.
-    if (now - begin > std::max<std::chrono::microseconds>(kTooLate, 4 * length)) return false;
+    if (now - begin > std::max<std::chrono::microseconds>(kTooLate, 4 * length)) {
+      left_out_ += segment.frame_count();
+      return false;
+    }
     std::uint64_t begin_us = manifest.live->start_us + segment.times_us.front();
     if (with_sound) {
       begin_us = play_sound(*segment.sound, files->back(), begin_us);
@@ -276,6 +301,7 @@ class HttpLiveSource : public LiveSource {
              (waiting_.size() > 1 && waiting_bytes_ > kMostWaitingBytes)) {
         waiting_bytes_ -= waiting_.front().size();
         waiting_.pop_front();
+        ++left_out_;
       }
     }
     changed_.notify_all();
@@ -326,6 +352,7 @@ class HttpLiveSource : public LiveSource {
   HttpClient client_;
   LiveAssembler assembler_;
   std::stop_source stop_;
+  std::atomic<std::uint64_t> left_out_{0};  ///< frames that came too late to be shown
 
   // Only the fetching thread uses what follows.
   std::optional<std::uint64_t> session_;
@@ -342,7 +369,7 @@ class HttpLiveSource : public LiveSource {
   std::optional<std::string> trouble_;
   std::deque<WaitingFrame> waiting_;
   std::uint64_t waiting_bytes_ = 0;
-  std::thread fetcher_, pacer_;
+  std::jthread fetcher_, pacer_;
 };
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <map>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -31,7 +33,10 @@ constexpr auto kLong = std::chrono::milliseconds(60'000);
 /// layers of 4 and 6 bytes. Every byte is the number of the frame.
 class Stage {
  public:
-  Stage() : server_([this](int socket, const std::string& head) { return serve(socket, head); }) {
+  /// The manifest lists this many segments, the newest.
+  explicit Stage(std::size_t listed = 2)
+      : listed_(listed),
+        server_([this](int socket, const std::string& head) { return serve(socket, head); }) {
     begin(1);
   }
 
@@ -53,8 +58,8 @@ class Stage {
     manifest_.live = LiveManifest{session, 0, start_us, false};
   }
 
-  /// Publishes a segment. The manifest lists the newest two. `sound` is the file of its sound, if
-  /// it has any, which may be served with its last byte damaged.
+  /// Publishes a segment. `sound` is the file of its sound, if it has any, which may be served with
+  /// its last byte damaged.
   void publish_segment(const std::string& sound = "", bool damaged = false) {
     const std::lock_guard lock(mutex_);
     const std::uint32_t first = frames_of(manifest_);
@@ -83,11 +88,11 @@ class Stage {
       files_[segment.sound->path] = sound;
       if (damaged) files_[segment.sound->path].back() ^= 1;
     }
-    const std::uint64_t begin = first * 10'000ull;
+    const std::uint64_t begin = first * 10'000ull + silence_us_;
     segment.times_us = {begin, begin + 10'000};
     segment.points = {1, 1};
     manifest_.segments.push_back(std::move(segment));
-    if (manifest_.segments.size() > 2) {
+    if (manifest_.segments.size() > listed_) {
       // Frame numbers and times are relative to the first listed frame.
       manifest_.segments.erase(manifest_.segments.begin());
       manifest_.live->first_frame += 2;
@@ -99,6 +104,21 @@ class Stage {
     }
     manifest_.duration_us = manifest_.segments.back().times_us.back() + 10'000;
     ++version_;
+  }
+
+  /// The next segment begins so much later than the one before it ends.
+  void be_silent(std::uint64_t us) { silence_us_ += us; }
+
+  /// Until `work` is done, serves the manifest of before, as a cache does.
+  template <class Work>
+  void hold_back(const Work& work) {
+    {
+      const std::lock_guard lock(mutex_);
+      held_ = Served{write_manifest(manifest_), version_};
+    }
+    work();
+    const std::lock_guard lock(mutex_);
+    held_.reset();
   }
 
   void end() {
@@ -118,14 +138,16 @@ class Stage {
     const std::lock_guard lock(mutex_);
     const std::string path = head.substr(4, head.find(' ', 4) - 4);
     const std::string name = path.substr(path.rfind('/') + 1);
-    const std::string tag = fmt::format("\"{}\"", version_);
+    const Served served =
+        held_ ? *held_ : Served{name == "reel.json" ? write_manifest(manifest_) : "", version_};
+    const std::string tag = fmt::format("\"{}\"", served.version);
     if (gone) {
       answer(socket, "404 Not Found", "", "nobody");
     } else if (name == "reel.json" && head.find("If-None-Match: " + tag) != std::string::npos) {
       ++not_modified;
       send_text(socket, "HTTP/1.1 304 Not Modified\r\nETag: " + tag + "\r\n\r\n");
     } else if (name == "reel.json") {
-      answer(socket, "200 OK", "ETag: " + tag + "\r\n", write_manifest(manifest_));
+      answer(socket, "200 OK", "ETag: " + tag + "\r\n", served.manifest);
     } else if (files_.contains(name)) {
       if (name.ends_with(".sound.prs")) ++sounds_served;
       std::this_thread::sleep_for(delay.load());
@@ -136,8 +158,16 @@ class Stage {
     return true;
   }
 
+  struct Served {
+    std::string manifest;
+    int version = 0;
+  };
+
+  const std::size_t listed_;
   std::mutex mutex_;
   Manifest manifest_;
+  std::uint64_t silence_us_ = 0;
+  std::optional<Served> held_;
   std::map<std::string, std::string> files_;
   int version_ = 0;
   ScriptedHttpServer server_;
@@ -181,6 +211,42 @@ TEST(HttpLiveSource, gives_the_frames_of_segments_as_they_are_listed) {
   EXPECT_GT(later->number, frame->number);
   EXPECT_EQ(later->capture_us, 5'070'000u);
   EXPECT_EQ(later->frame.layers[0].bytes, Bytes(4, 7));
+}
+
+TEST(HttpLiveSource, shows_all_frames_of_segments_that_a_cache_held_back) {
+  Stage stage(6);
+  stage.publish_segment();
+  const auto source = open(stage.url());
+  ASSERT_TRUE(await(*source, 1));
+  const auto skipped = source->counts().skipped;
+  stage.hold_back([&] {
+    for (int i = 0; i < 4; ++i) stage.publish_segment();
+  });
+  std::set<std::uint64_t> shown;
+  while (!shown.contains(5'090'000)) {
+    const auto frame = source->next(kLong);
+    ASSERT_TRUE(frame);
+    shown.insert(frame->capture_us);
+  }
+  // A machine that is busy may skip some, and says so.
+  EXPECT_EQ(shown.size() + source->counts().skipped - skipped, 8u);
+}
+
+TEST(HttpLiveSource, leaves_out_and_counts_segments_that_are_too_late) {
+  Stage stage(6);
+  stage.publish_segment();
+  const auto source = open(stage.url());
+  ASSERT_TRUE(await(*source, 1));
+  stage.hold_back([&] {
+    stage.publish_segment();
+    stage.publish_segment();
+    stage.be_silent(3'000'000);
+    stage.publish_segment();
+  });
+  const auto frame = source->next(kLong);
+  ASSERT_TRUE(frame);
+  EXPECT_GE(frame->capture_us, 8'060'000u);
+  EXPECT_GE(source->counts().skipped, 4u);
 }
 
 /// A file with one packet.

@@ -161,8 +161,9 @@ export class PointreelPlayer extends HTMLElement implements Declared {
     this.player.open(sourcesOf(this.src), this.token || null, {
       loop: this.loop, startUs: this.startUs, places: placesOf(this.places),
     }).then(() => {
-      if (!this.player.isOpen || (this.isPaused && !this.autoplay)) return;
-      if (!this.player.playing) this.player.play();
+      if (!this.player.isOpen) return;
+      if (this.player.playing) return this.tell("play");  // a live stream plays from the start
+      if (!this.isPaused || this.autoplay) this.player.play();
     });
   }
 

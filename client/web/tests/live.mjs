@@ -41,6 +41,7 @@ test("two publishers stand beside each other in one scene", async () => {
   const { tab, close } = await open(`http://${server.address}/?live=alice,bob&at=-0.6,0,0;0.6,0,0#token=see`);
   await moves(tab);
   assert.equal(await ask(tab, "player.player.trouble"), null);
+  assert.equal(await ask(tab, "player.paused"), false);
   const [left, right] = await ask(tab, "player.player.live.map((live) => live.bounds.min[0])");
   assert.ok(Math.abs(right - left - 1.2) < 1e-3, `${left} and ${right}`);
   if (process.env.KEEP) await tab.screenshot({ path: join(process.env.KEEP, "two.png") });

@@ -27,11 +27,13 @@ class LayerWriter {
 
  private:
   void write(const Bytes& bytes);
+  void note_error();
 
   std::filesystem::path folder_;
   std::ofstream out_;
   RunningChecksum checksum_;
   LayerFile file_;
+  int error_ = 0;  ///< errno of the first failure
 };
 
 }  // namespace pointreel

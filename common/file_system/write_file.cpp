@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <string>
 #include <system_error>
 
@@ -35,7 +34,7 @@ bool write_all(const fs::path& path, ByteView bytes) {
 /// Writes a file that errors call `shown`.
 Result<void> write(const fs::path& path, ByteView bytes, const fs::path& shown) {
   if (write_all(path, bytes)) return {};
-  const std::string why = std::strerror(errno);
+  const std::string why = why_not_written(errno);
   std::error_code ignored;
   // A device is nobody's to remove.
   if (fs::is_regular_file(path, ignored)) fs::remove(path, ignored);
@@ -43,6 +42,13 @@ Result<void> write(const fs::path& path, ByteView bytes, const fs::path& shown) 
 }
 
 }  // namespace
+
+std::string why_not_written(int error) {
+  std::string why = std::generic_category().message(error);
+  if (error == ENOSPC || error == EDQUOT) return why + "; make room on the disk";
+  if (error == EMFILE || error == ENFILE) return why + "; raise the limit with ulimit -n";
+  return why;
+}
 
 Result<void> write_file(const fs::path& path, ByteView bytes) { return write(path, bytes, path); }
 

@@ -1,12 +1,16 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
 
 namespace pointreel {
+
+/// Why something cannot be written, by errno, and what to do. For people.
+std::string why_not_written(int error);
 
 /// Writes a file, replacing an existing one. If that fails, no part of the file stays. The error
 /// (`io`) begins with the path.

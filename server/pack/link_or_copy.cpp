@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "common/file_system/write_file.h"
+
 namespace pointreel {
 namespace fs = std::filesystem;
 
@@ -16,9 +18,8 @@ Result<void> link_or_copy(const fs::path& from, const fs::path& to) {
   }
   fs::copy_file(from, to, error);
   if (error)
-    return fail(ErrorCode::io,
-                fmt::format("{}: cannot be copied to {}: {}; check that the disk is not full",
-                            from.string(), to.string(), error.message()));
+    return fail(ErrorCode::io, fmt::format("{}: cannot be copied to {}: {}", from.string(),
+                                           to.string(), why_not_written(error.value())));
   return {};
 }
 

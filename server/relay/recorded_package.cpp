@@ -13,6 +13,7 @@
 
 #include "codec/package/manifest.h"
 #include "common/base/try.h"
+#include "common/file_system/write_file.h"
 #include "server/relay/left_sound.h"
 
 namespace pointreel {
@@ -27,8 +28,7 @@ constexpr std::size_t kJournalShare = 8;
 constexpr const char *kUnfinished = ".unfinished", *kGrowingSound = ".sound";
 
 Error cannot_write(const fs::path& file) {
-  return {fmt::format("{}: cannot be written: {}; check that the disk is not full", file.string(),
-                      std::generic_category().message(errno)),
+  return {fmt::format("{}: cannot be written: {}", file.string(), why_not_written(errno)),
           ErrorCode::io};
 }
 

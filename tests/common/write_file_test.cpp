@@ -42,8 +42,9 @@ TEST_F(WriteFile, does_not_remove_a_device) {
   fs::create_symlink("/dev/full", file());
   const auto written = write_file(file(), long_text_);
   ASSERT_FALSE(written);
-  EXPECT_EQ(written.error().message,
-            file().string() + ": cannot be written: No space left on device");
+  EXPECT_EQ(
+      written.error().message,
+      file().string() + ": cannot be written: No space left on device; make room on the disk");
   EXPECT_TRUE(fs::is_symlink(file()));
 }
 

@@ -98,7 +98,8 @@ class WebSocketLiveSource : public LiveSource {
     while (!stop_.stop_requested()) {
       auto message = socket.receive(kLook);
       if (!message) {
-        set_trouble(message.error().message + "; connecting again");
+        // What a server says in vain is more use than that it hung up then.
+        if (!bad_text_) set_trouble(message.error().message + "; connecting again");
         break;
       }
       if (!*message) continue;
@@ -133,8 +134,11 @@ class WebSocketLiveSource : public LiveSource {
 
   void take_text(std::string_view text) {
     auto parsed = parse_live_text(text);
+    bad_text_ = !parsed;
     if (!parsed) {
       assembler_.add_bad();
+      set_trouble(url_ +
+                  ": what the server says of the stream is invalid: " + parsed.error().message);
     } else if (auto* hello = std::get_if<LiveHello>(&*parsed)) {
       set_trouble(std::nullopt);
       assembler_.add(std::move(*hello));
@@ -174,6 +178,7 @@ class WebSocketLiveSource : public LiveSource {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<std::string> trouble_;
+  bool bad_text_ = false;  ///< the last text was invalid; only the thread uses it
   std::minstd_rand random_{std::random_device{}()};
   std::thread thread_;
 };

@@ -115,7 +115,8 @@ LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format, ReadNotes notes) 
   loaded.left_out = report.dropped_positions;
   if (report.dropped_positions > 0 && !has_empty_points(format)) {
     loaded.warnings.push_back(
-        concat("dropped ", count(report.dropped_positions, "point"), " without a finite position"));
+        concat("dropped ", count(report.dropped_positions, "point"),
+               " without a finite position (NaN, infinite, or too large for a float)"));
   }
   leave_out_far_zeros(loaded);
   estimate_unknown_normals(loaded);

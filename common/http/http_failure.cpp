@@ -33,6 +33,7 @@ Kind kind_of(CURLcode code) {
     case CURLE_TOO_MANY_REDIRECTS:
     case CURLE_BAD_CONTENT_ENCODING:
     case CURLE_WRITE_ERROR:
+    case CURLE_OUT_OF_MEMORY:
       return Kind::doubtful;
     default:
       return Kind::final;
@@ -115,6 +116,9 @@ HttpFailure failure_of_transfer(int code, const HttpOptions& options, std::uint6
       return because(fmt::format("{}: holds no certificates in PEM form", options.ca_file));
     case CURLE_TOO_MANY_REDIRECTS:
       return because("the server redirects again and again", "check the address");
+    case CURLE_OUT_OF_MEMORY:
+      // What libcurl says of headers beyond its limits as well.
+      return because("the headers of the answer are too large, or there is not enough memory");
     default:
       return because(curl_easy_strerror(static_cast<CURLcode>(code)));
   }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <string_view>
 #include <system_error>
@@ -10,8 +11,8 @@
 #include "codec/files/cloud_format.h"
 #include "common/base/natural_order.h"
 #include "common/base/try.h"
+#include "common/file_system/descriptor.h"
 #include "common/file_system/open_file.h"
-#include "server/publish/descriptor.h"
 #include "server/publish/frame_input.h"
 
 namespace pointreel {
@@ -33,12 +34,10 @@ class FolderFollower : public FrameInput {
         clock_(std::move(clock)),
         reading_(std::move(asked)),
         max_memory_(max_memory) {
-    std::error_code ignored;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
-      const std::string name = entry.path().filename().string();
-      if (!is_of_points(name)) continue;
+    for_each_file([this](const std::string& name) {
       if (!is_of_points(newest_) || natural_less(newest_, name)) newest_ = name;
-    }
+    });
+    taken_ = time_of(folder_ / newest_);
   }
   ~FolderFollower() override { ::close(watch_); }
 
@@ -51,7 +50,10 @@ class FolderFollower : public FrameInput {
                     folder_.string() + ": was removed or renamed while it was followed");
       if (!wait_readable(watch_, stop)) return std::optional<InputFrame>();
     }
-    const fs::path file = folder_ / std::exchange(newest_, {});
+    taken_name_ = std::exchange(newest_, {});
+    const fs::path file = folder_ / taken_name_;
+    taken_ = time_of(file);
+    skipped_when_taken_ = skipped_;
     const std::uint64_t now = clock_.now_us();
     return InputFrame{file.string(), now, read(file)};
   }
@@ -73,16 +75,48 @@ class FolderFollower : public FrameInput {
     return likely == Likely::yes || (likely == Likely::maybe && !sure_names_);
   }
 
+  /// Calls `visit` for each frame that is in the folder.
+  template <class Visit>
+  void for_each_file(const Visit& visit) {
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
+      const std::string name = entry.path().filename().string();
+      if (is_of_points(name)) visit(name);
+    }
+  }
+
+  static fs::file_time_type time_of(const fs::path& file) {
+    std::error_code ignored;
+    return fs::last_write_time(file, ignored);
+  }
+
+  /// Finds the newest file after events were lost, and counts those since the last that was taken.
+  void look_again() {
+    fs::file_time_type newest = taken_;
+    std::uint64_t files = 0;
+    for_each_file([&](const std::string& name) {
+      const fs::file_time_type time = time_of(folder_ / name);
+      if (time < taken_ || name == taken_name_) return;
+      ++files;
+      if (time < newest || (time == newest && !natural_less(newest_, name))) return;
+      newest = time;
+      newest_ = name;
+    });
+    skipped_ = std::max(skipped_, skipped_when_taken_ + std::max<std::uint64_t>(files, 1) - 1);
+  }
+
   /// Reads the events that the system holds ready, without waiting.
   void read_events() {
     alignas(inotify_event) std::array<char, 16 * 1024> events;
+    bool lost = false;  // the system holds no more than some thousands
     for (;;) {
       const ssize_t size = ::read(watch_, events.data(), events.size());
-      if (size <= 0) return;
+      if (size <= 0) return lost ? look_again() : void();
       for (ssize_t at = 0; at < size;) {
         const auto* event = reinterpret_cast<const inotify_event*>(events.data() + at);
         at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
         const std::string name = event->len > 0 ? event->name : "";
+        if (event->mask & IN_Q_OVERFLOW) lost = true;
         if (event->mask & (IN_DELETE_SELF | IN_MOVE_SELF | IN_UNMOUNT)) gone_ = true;
         if (!is_of_points(name)) continue;
         // A file that is created will be written; a link is complete.
@@ -100,6 +134,9 @@ class FolderFollower : public FrameInput {
   const std::uint64_t max_memory_;
   std::string newest_;  ///< not taken yet; empty if there is none
   std::uint64_t skipped_ = 0;
+  std::string taken_name_;    ///< of the last file that was taken; empty if there is none
+  fs::file_time_type taken_;  ///< when that, or before it the newest of all, was written
+  std::uint64_t skipped_when_taken_ = 0;
   bool sure_names_ = false;  ///< there was a file that is clearly of points
   bool gone_ = false;        ///< the folder is no longer at its place
 };

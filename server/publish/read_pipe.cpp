@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "common/base/try.h"
-#include "server/publish/descriptor.h"
+#include "common/file_system/descriptor.h"
 #include "server/publish/frame_input.h"
 
 namespace pointreel {

@@ -18,8 +18,8 @@
 #include "codec/audio/sound_file.h"
 #include "codec/live/live_sound.h"
 #include "common/base/try.h"
+#include "common/file_system/descriptor.h"
 #include "common/process/ffmpeg.h"
-#include "server/publish/descriptor.h"
 #include "server/publish/frame_input.h"
 
 namespace pointreel {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -149,6 +150,22 @@ TEST_F(FrameInputTest, files_with_capital_extensions_and_links_are_followed_too)
   fs::create_hard_link(file, folder / "hard.Ply");
   EXPECT_EQ(next(), "hard.Ply");
   EXPECT_EQ(input->skipped(), 0u);
+}
+
+TEST_F(FrameInputTest, the_newest_file_is_found_when_more_came_than_the_system_keeps_events_of) {
+  const fs::path folder = frames_ / "followed";
+  fs::create_directory(folder);
+  const auto input = follow_folder(folder).value();
+  std::ifstream limit("/proc/sys/fs/inotify/max_queued_events");
+  std::size_t events = 0;
+  ASSERT_TRUE(limit >> events);
+  if (events > 50'000) GTEST_SKIP() << "that would take too long";
+  // Two events each.
+  for (std::size_t i = 0; i < events / 2 + 10; ++i)
+    std::ofstream(folder / fmt::format("{}.ply", i)) << "ply";
+  ASSERT_TRUE(write_ply(folder / "last.ply", ellipsoid(60)));
+  EXPECT_EQ(next_points(*input), 60u);
+  EXPECT_EQ(input->skipped(), events / 2 + 10);
 }
 
 TEST_F(FrameInputTest, a_pipe_in_a_followed_folder_is_not_waited_for) {

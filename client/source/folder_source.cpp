@@ -49,8 +49,11 @@ std::string name_of(const std::filesystem::path& path) {
 
 Result<std::unique_ptr<Source>> open_files(const std::vector<std::filesystem::path>& paths,
                                            std::string name, const SourceOptions& options) {
-  CloudSequence sequence =
-      TRY(list_cloud_frames(paths, options.topic, options.max_memory, false, options.reading));
+  CloudSequence sequence = TRY(
+      list_cloud_frames(paths, {.topic = options.topic,
+                                .max_memory = options.max_memory,
+                                .reading = options.reading,
+                                .stopped = [&options] { return options.stop.stop_requested(); }}));
   if (options.say) {
     for (const std::string& line : sequence.warnings) options.say("warning: " + line);
     for (const std::string& guess : sequence.guesses) options.say("read as " + guess);

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "common/base/try.h"
+#include "common/file_system/descriptor.h"
 #include "common/file_system/open_file.h"
 
 namespace pointreel {
@@ -24,19 +25,22 @@ tl::unexpected<Error> failed(const char* what) {
 }
 
 /// Reads what has no size that could be relied on: pipes, and files of /proc.
-Result<Bytes> read_to_end(int descriptor) {
+Result<Bytes> read_to_end(int descriptor, const std::function<bool()>& stopped) {
   constexpr std::size_t kBlock = std::size_t{1} << 20;
   try {
     Bytes bytes;
-    for (;;) {
+    const auto ended = [&] { return stopped && stopped(); };
+    while (wait_readable(descriptor, ended)) {
       const std::size_t at = bytes.size();
       bytes.resize(at + kBlock);
       const ssize_t got = ::read(descriptor, bytes.data() + at, kBlock);
       bytes.resize(at + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
-      if (got < 0 && errno == EINTR) continue;
+      if (got < 0 && (errno == EINTR || errno == EAGAIN)) continue;
       if (got < 0) return failed("cannot be read to its end");
       if (got == 0) return bytes;
     }
+    if (!ended()) return failed("cannot be read to its end");
+    return fail(ErrorCode::cancelled, "interrupted before all of it came");
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::limit, kNoMemory);
   }
@@ -64,19 +68,21 @@ Result<ByteSource> ByteSource::open(const std::filesystem::path& path) {
   return source;
 }
 
-Result<ByteSource> ByteSource::open_named(const std::filesystem::path& path) {
+Result<ByteSource> ByteSource::open_named(const std::filesystem::path& path,
+                                          const std::function<bool()>& stopped) {
   std::error_code ignored;
   const std::filesystem::file_status kind = std::filesystem::status(path, ignored);
   if (!is_fifo(kind) && !is_socket(kind)) return open(path);
   ByteSource source;
-  source.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // Opening it any other way waits for whoever writes.
+  source.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (source.descriptor_ < 0) return failed("cannot be opened");
-  TRY(source.read_all());
+  TRY(source.read_all(stopped));
   return source;
 }
 
-Result<void> ByteSource::read_all() {
-  own_ = TRY(read_to_end(descriptor_));
+Result<void> ByteSource::read_all(const std::function<bool()>& stopped) {
+  own_ = TRY(read_to_end(descriptor_, stopped));
   ::close(std::exchange(descriptor_, -1));
   memory_ = own_;
   size_ = own_.size();

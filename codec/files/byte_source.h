@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 
 #include "pointreel/bytes.h"
 #include "pointreel/error.h"
@@ -18,8 +19,10 @@ class ByteSource {
   /// A regular file. Errors do not contain the path: as OpenFile::open, and `limit` if what has to
   /// be in memory does not fit.
   static Result<ByteSource> open(const std::filesystem::path& path);
-  /// The same, but also a pipe, which is read to its end. Only for paths that the user named.
-  static Result<ByteSource> open_named(const std::filesystem::path& path);
+  /// The same, but also a pipe, which is read to its end. Only for paths that the user named. If
+  /// `stopped` says so while nothing comes: the error `cancelled`.
+  static Result<ByteSource> open_named(const std::filesystem::path& path,
+                                       const std::function<bool()>& stopped = {});
   ByteSource(ByteSource&& other) noexcept;
   ByteSource& operator=(ByteSource&&) = delete;
   ~ByteSource();
@@ -35,7 +38,7 @@ class ByteSource {
 
  private:
   ByteSource() = default;
-  Result<void> read_all();
+  Result<void> read_all(const std::function<bool()>& stopped = {});
 
   int descriptor_ = -1;  ///< of a file on disk
   Bytes own_;            ///< of a file that was read to its end

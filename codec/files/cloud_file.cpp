@@ -290,8 +290,9 @@ void add_recording(CloudSequence& sequence, const fs::path& file,
 /// A cloud that came through a pipe, which can be read only once.
 class PipedCloud : public Recording {
  public:
-  static Result<std::shared_ptr<const Recording>> read_all(const fs::path& path) {
-    ByteSource source = TRY(ByteSource::open_named(path));
+  static Result<std::shared_ptr<const Recording>> read_all(const fs::path& path,
+                                                           const std::function<bool()>& stopped) {
+    ByteSource source = TRY(ByteSource::open_named(path, stopped));
     const CloudFormat format = TRY(format_of_file(source, path));
     return std::make_shared<PipedCloud>(std::move(source), format);
   }
@@ -316,32 +317,31 @@ class PipedCloud : public Recording {
 
 /// Null for a file of one cloud.
 Result<std::shared_ptr<const Recording>> open_recording(const fs::path& path,
-                                                        const std::string& topic,
-                                                        std::uint64_t max_memory,
-                                                        bool best_effort) {
+                                                        const ListOptions& options) {
   std::error_code ignored;
   const fs::file_status kind = fs::status(path, ignored);
   if (fs::is_directory(kind)) return open_depth_folder(path);
   const std::string name = path.string();
   const CloudFormat format = format_of({}, path.filename().string());
-  if (format == CloudFormat::depth_video) return at_place(name, open_depth_video(path, max_memory));
+  if (format == CloudFormat::depth_video)
+    return at_place(name, open_depth_video(path, options.max_memory));
   if (format != CloudFormat::mcap) {
-    if (fs::is_fifo(kind) || fs::is_socket(kind)) return at_place(name, PipedCloud::read_all(path));
+    if (fs::is_fifo(kind) || fs::is_socket(kind))
+      return at_place(name, PipedCloud::read_all(path, options.stopped));
     return nullptr;
   }
-  ByteSource source = TRY(at_place(name, ByteSource::open_named(path)));
-  return TRY(
-      at_place(name, McapRecording::open(std::move(source), topic, max_memory, best_effort)));
+  ByteSource source = TRY(at_place(name, ByteSource::open_named(path, options.stopped)));
+  return TRY(at_place(name, McapRecording::open(std::move(source), options.topic,
+                                                options.max_memory, options.best_effort)));
 }
 
 }  // namespace
 
 Result<CloudSequence> list_cloud_frames(const std::vector<fs::path>& inputs,
-                                        const std::string& topic, std::uint64_t max_memory,
-                                        bool best_effort, const Reading& asked) {
+                                        const ListOptions& options) {
   CloudSequence sequence;
   for (const fs::path& file : TRY(list_cloud_files(inputs, &sequence.warnings))) {
-    if (const auto recording = TRY(open_recording(file, topic, max_memory, best_effort))) {
+    if (const auto recording = TRY(open_recording(file, options))) {
       add_recording(sequence, file, recording);
     } else {
       sequence.frames.push_back({file});
@@ -349,7 +349,7 @@ Result<CloudSequence> list_cloud_frames(const std::vector<fs::path>& inputs,
   }
   check_numbers(sequence);
   sequence.find_times();
-  TRY(guess(sequence, asked));
+  TRY(guess(sequence, options.reading));
   return sequence;
 }
 

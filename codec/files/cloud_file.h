@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -102,14 +103,18 @@ struct CloudSequence {
   void find_times();
 };
 
+struct ListOptions {
+  std::string topic = {};                   ///< of recordings that have several
+  std::uint64_t max_memory = kFrameMemory;  ///< of the parts of recordings that are kept
+  bool best_effort = false;                 ///< leave damaged parts of recordings out
+  Reading reading = {};                     ///< what is not to be guessed
+  std::function<bool()> stopped = {};       ///< true ends waiting for a pipe; empty: never
+};
+
 /// The frames of list_cloud_files: each file, and each cloud of recordings (.mcap, and depth in
-/// .mkv and folders). `topic`: of recordings that have several. `max_memory`: of the parts of
-/// recordings that are kept. `best_effort`: leave damaged parts of recordings out. `asked`: what is
-/// not to be guessed of how the frames are read. The error begins with the path.
+/// .mkv and folders). The error begins with the path.
 Result<CloudSequence> list_cloud_frames(const std::vector<std::filesystem::path>& inputs,
-                                        const std::string& topic = {},
-                                        std::uint64_t max_memory = kFrameMemory,
-                                        bool best_effort = false, const Reading& asked = {});
+                                        const ListOptions& options = {});
 
 /// The error begins with the frame's name.
 Result<LoadedCloud> read_cloud_frame(const CloudFrame& frame, const DecodeLimits& limits = {});

@@ -57,14 +57,18 @@ Result<PublishOptions> make_options(const PublishArguments& arguments) {
 
 /// Opens the input, and takes from its files what the options leave to them.
 Result<std::unique_ptr<FrameInput>> open_input(const PublishArguments& arguments,
-                                               PublishOptions& options) {
+                                               PublishOptions& options,
+                                               const std::stop_token& stop) {
   const LiveClock clock = LiveClock::system();
   if (arguments.input == "-")
     return read_pipe(STDIN_FILENO, clock, arguments.reading, options.max_memory);
   if (arguments.follow)
     return follow_folder(arguments.input, clock, arguments.reading, options.max_memory);
-  CloudSequence sequence = TRY(list_cloud_frames({fs::path(arguments.input)}, arguments.topic,
-                                                 options.max_memory, false, arguments.reading));
+  CloudSequence sequence = TRY(list_cloud_frames(
+      {fs::path(arguments.input)}, {.topic = arguments.topic,
+                                    .max_memory = options.max_memory,
+                                    .reading = arguments.reading,
+                                    .stopped = [&stop] { return stop.stop_requested(); }}));
   for (const std::string& line : sequence.warnings) print_error("warning: " + line);
   for (const std::string& guess : sequence.guesses) print_error("read as " + guess);
   if (!arguments.sequence.times_of_files()) sequence.times_us.clear();
@@ -116,7 +120,7 @@ int run_publish(const PublishArguments& arguments) {
     return kExitUsage;
   }
   const StopSignal stop;
-  const auto input = open_input(arguments, *options);
+  const auto input = open_input(arguments, *options, stop.token());
   if (!input) return failed(input.error());
   PublishListener listener;
   listener.say = [](const std::string& line) { print_error(line); };

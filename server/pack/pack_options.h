@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <stop_token>
+#include <utility>
 #include <vector>
 
-#include "codec/files/reading.h"
+#include "codec/files/cloud_file.h"
 #include "codec/package/encoding_options.h"
 
 namespace pointreel {
@@ -20,6 +22,12 @@ struct VideoPackOptions {
 /// What to pack, and where to. An empty `name` stands for that of the output folder without
 /// ".reel".
 struct PackOptions : EncodingOptions {
+  /// How `inputs` are listed.
+  ListOptions listing(std::stop_token stop = {}) const {
+    return {topic, max_memory, best_effort, reading,
+            [stop = std::move(stop)] { return stop.stop_requested(); }};
+  }
+
   std::vector<std::filesystem::path> inputs;  ///< folders and files, as list_cloud_files takes them
   std::filesystem::path output;
   std::string topic;  ///< of recordings that have several

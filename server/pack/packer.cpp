@@ -13,6 +13,7 @@
 #include "codec/package/standing.h"
 #include "common/base/try.h"
 #include "common/file_system/output_folder.h"
+#include "common/threads/stoppable.h"
 #include "common/threads/tbb_executor.h"
 #include "pointreel/codec.h"
 #include "pointreel/package.h"
@@ -44,7 +45,7 @@ class Packer {
     if (options_.name.empty()) options_.name = default_reel_name(options.output);
     if (options_.up_of_files) options_.up = up_of_frame(files_.front()).value_or(options_.up);
     // Frames are encoded in parallel; parts of a large frame go to threads that have no frame.
-    options_.encode.executor = tbb_executor();
+    options_.encode.executor = stoppable(tbb_executor(), listener.stop, kInterrupted);
     manifest_ = begin_manifest(options_, sequence_);
     output_ = {folder, manifest_.layer_names, listener.frame_done, listener.stop, {}};
     summary_.lost_parts = sequence_.lost_parts;
@@ -143,8 +144,7 @@ class Packer {
 Result<PackSummary> pack(const PackOptions& options, const PackListener& listener) {
   const Clock::time_point start = Clock::now();
   return in_arena(options.threads, [&]() -> Result<PackSummary> {
-    CloudSequence sequence = TRY(list_cloud_frames(
-        options.inputs, options.topic, options.max_memory, options.best_effort, options.reading));
+    CloudSequence sequence = TRY(list_cloud_frames(options.inputs, options.listing(listener.stop)));
     if (options.keep_gaps) sequence.keep_gaps(options.fps);
     OutputFolder folder = TRY(OutputFolder::create(
         options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));

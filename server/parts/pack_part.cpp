@@ -13,6 +13,7 @@
 #include "codec/package/segment_writer.h"
 #include "common/base/try.h"
 #include "common/file_system/write_file.h"
+#include "common/threads/stoppable.h"
 #include "common/threads/tbb_executor.h"
 #include "pointreel/codec.h"
 #include "server/inspect/read_package.h"
@@ -24,6 +25,8 @@
 namespace pointreel {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr const char* kGoesOn = "interrupted; the same command goes on from here";
 
 /// A folder that is removed with everything in it.
 class WorkFolder {
@@ -86,7 +89,7 @@ class PartPacker {
     options_.name = plan.name;
     if (options_.up_of_files) options_.up = plan.up.value_or(options_.up);
     options_.segment_frames = plan.segment_frames;
-    options_.encode.executor = tbb_executor();
+    options_.encode.executor = stoppable(tbb_executor(), listener.stop, kGoesOn);
     head_ = begin_manifest(options_, sequence_);
     head_.tables = plan.tables;
   }
@@ -114,7 +117,7 @@ class PartPacker {
       }
       if (Result<void> done = pack(segment); !done) {
         if (listener_.stop.stop_requested()) {
-          return fail(ErrorCode::cancelled, "interrupted; the same command goes on from here");
+          return fail(ErrorCode::cancelled, kGoesOn);
         }
         report_.failures.push_back(std::move(done.error()));
         if (fail_fast) break;
@@ -154,8 +157,7 @@ class PartPacker {
   Result<std::shared_ptr<const Recording>> recording_of(const PlannedFrame& planned) {
     if (recording_ == nullptr || planned.path != recording_path_) {
       TRY(check_unchanged(planned));
-      recording_ = TRY(list_cloud_frames({planned.path}, options_.topic, options_.max_memory,
-                                         options_.best_effort, options_.reading))
+      recording_ = TRY(list_cloud_frames({planned.path}, options_.listing(listener_.stop)))
                        .frames.front()
                        .recording;
       recording_path_ = planned.path;

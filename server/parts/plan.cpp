@@ -196,8 +196,7 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
   }
   PackOptions options = asked;
   if (options.name.empty()) options.name = default_reel_name(options.output);
-  CloudSequence sequence = TRY(list_cloud_frames(options.inputs, options.topic, options.max_memory,
-                                                 options.best_effort, options.reading));
+  CloudSequence sequence = TRY(list_cloud_frames(options.inputs, options.listing(stop)));
   if (options.keep_gaps) sequence.keep_gaps(options.fps);
   const std::vector<CloudFrame>& frames = sequence.frames;
   PackPlan plan;

@@ -82,7 +82,7 @@ TEST_F(DepthVideo, gives_the_pictures_that_were_put_into_it_in_any_order) {
   make_lossless();
   write_intrinsics();
   for (const std::uint64_t memory : {~std::uint64_t{0}, std::uint64_t{20'000}}) {
-    const auto sequence = list_cloud_frames({video()}, {}, memory);
+    const auto sequence = list_cloud_frames({video()}, {.max_memory = memory});
     ASSERT_TRUE(sequence) << sequence.error().message;
     ASSERT_EQ(sequence->frames.size(), std::size_t{kFrames});
     ASSERT_EQ(sequence->times_us.size(), std::size_t{kFrames});

@@ -35,7 +35,8 @@ std::string floats(const std::vector<float>& numbers) {
 class GuessReading : public testing::Test {
  protected:
   CloudSequence list(const Reading& asked = {}) const {
-    return list_cloud_frames({folder_.path()}, {}, ~std::uint64_t{0}, false, asked).value();
+    return list_cloud_frames({folder_.path()}, {.max_memory = ~std::uint64_t{0}, .reading = asked})
+        .value();
   }
 
   std::vector<std::uint16_t> greens(const CloudSequence& sequence) const {

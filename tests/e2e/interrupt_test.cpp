@@ -1,17 +1,21 @@
-// The player ends when it is told to, whatever it waits for.
+// The programs end when they are told to, whatever they wait for, and where they cannot start.
 
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <stop_token>
 #include <string>
 #include <vector>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "tests/e2e/process.h"
 #include "tests/paths.h"
@@ -60,6 +64,21 @@ class UselessServer {
   ScriptedHttpServer server_;
 };
 
+std::string read_text(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(in), {});
+}
+
+/// Whether the first thread of a process blocks a signal, so that another one waits for it.
+bool catches(pid_t pid, int signal) {
+  std::istringstream lines(read_text(fmt::format("/proc/{}/status", pid)));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("SigBlk:"))
+      return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1) != 0;
+  }
+  return false;
+}
+
 class Interrupt : public testing::Test {
  protected:
   /// Interrupts the player once `stuck`. Returns what it printed.
@@ -73,8 +92,15 @@ class Interrupt : public testing::Test {
     EXPECT_TRUE(player.running());
     // A player that went on would fail in the end, or be killed after a minute.
     EXPECT_EQ(player.end(signal), 0) << source;
-    std::ifstream in(err, std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(in), {});
+    return read_text(err);
+  }
+
+  /// A file of two points.
+  std::filesystem::path cloud() const {
+    return folder_.write(
+        "in/a.ply",
+        "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+        "property float z\nend_header\n0 0 0\n1 1 1\n");
   }
 
   const TemporaryFolder folder_;
@@ -93,15 +119,9 @@ TEST_F(Interrupt, ends_the_player_while_a_server_answers_nothing_or_drips) {
 }
 
 TEST_F(Interrupt, ends_the_player_while_no_frame_ever_comes) {
-  const auto cloud =
-      folder_.write("in/a.ply",
-                    "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
-                    "property float z\nend_header\n0 0 0\n1 1 1\n");
   const std::string reel = (folder_ / "reel").string();
-  ASSERT_EQ(run("pointreel-server", {"pack", "-i", cloud.string(), "-o", reel}).exit_code, 0);
-  std::ifstream in(reel + "/reel.json", std::ios::binary);
-  const UselessServer server(UselessServer::Way::no_frames,
-                             std::string(std::istreambuf_iterator<char>(in), {}));
+  ASSERT_EQ(run("pointreel-server", {"pack", "-i", cloud().string(), "-o", reel}).exit_code, 0);
+  const UselessServer server(UselessServer::Way::no_frames, read_text(reel + "/reel.json"));
   interrupted(server.url("http", "/reel"), SIGINT, [&] { return server.stuck(); });
 
   const Outcome played = run("pointreel", {"play", server.url("http", "/reel"), "--offscreen",
@@ -130,6 +150,57 @@ TEST_F(Interrupt, ends_the_player_while_the_lookup_of_a_name_hangs) {
     const auto begun = folder_ / (std::string("begun-") + source[0]);
     interrupted(source, SIGINT, [&] { return std::filesystem::exists(begun); },
                 {"LD_PRELOAD=" + no_lookup.string(), "POINTREEL_LOOKUP_BEGUN=" + begun.string()});
+  }
+}
+
+TEST_F(Interrupt, too_few_threads_are_an_error_that_ends_the_programs) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer must be the first library of a program";
+#endif
+  const std::string reel = (folder_ / "reel").string(), err = (folder_ / "err").string();
+  ASSERT_EQ(run("pointreel-server", {"pack", "-i", cloud().string(), "-o", reel}).exit_code, 0);
+  const std::string preloaded = (program_folder() / "libpointreel_few_threads.so").string();
+  const std::vector<std::string> play{
+      "play",       reel,       "--offscreen",  "64x64",
+      "--renderer", "software", "--screenshot", (folder_ / "a.png").string()};
+  const std::vector<std::string> serve{"serve", reel, "--listen", "127.0.0.1:0"};
+  int refused = 0;
+  for (int threads = 0; threads < 8; ++threads) {
+    for (const auto& [program, arguments] :
+         {std::pair("pointreel", play), std::pair("pointreel-server", serve)}) {
+      Background started(
+          program, arguments,
+          {{"LD_PRELOAD=" + preloaded, fmt::format("POINTREEL_THREADS={}", threads)}, err, {}});
+      const bool serves = !started.first_line().empty() && arguments == serve;
+      const int code = started.end(serves ? SIGTERM : 0);
+      EXPECT_LE(code, 1) << program << " with " << threads << " threads: " << read_text(err);
+      if (code == 0) continue;
+      ++refused;
+      EXPECT_THAT(read_text(err), HasSubstr("Resource temporarily unavailable"));
+    }
+  }
+  EXPECT_GE(refused, 2);
+}
+
+TEST_F(Interrupt, ends_packing_while_nothing_comes_through_a_pipe) {
+  const auto pipe = folder_ / "a.ply";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  for (const bool written : {false, true}) {
+    Background packing("pointreel-server",
+                       {"pack", "-i", pipe.string(), "-o", (folder_ / "reel").string()},
+                       {{}, (folder_ / "err").string(), {}});
+    int writer = -1;
+    if (written) {
+      // Opens once somebody reads.
+      ASSERT_TRUE(wait_until(
+          [&] { return (writer = ::open(pipe.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC)) >= 0; }));
+      ASSERT_EQ(::write(writer, "ply\n", 4), 4);
+    } else {
+      ASSERT_TRUE(wait_until([&] { return catches(packing.pid(), SIGTERM); }));
+    }
+    EXPECT_EQ(packing.end(SIGTERM), 1);
+    if (writer >= 0) ::close(writer);
+    EXPECT_THAT(read_text(folder_ / "err"), HasSubstr("interrupted"));
   }
 }
 

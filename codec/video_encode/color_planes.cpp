@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "codec/video/picture_points.h"
 #include "common/base/for_each.h"
 
 namespace pointreel {
@@ -19,7 +20,7 @@ constexpr float kFaces = 0.1f;
 /// Finds decoded points by their place.
 class DecodedPoints {
  public:
-  DecodedPoints(const VideoGroup& group, const DepthPicture& decoded)
+  DecodedPoints(const VideoGroup& group, const DecodedDepth& decoded)
       : group_(group), decoded_(decoded) {
     for (const Patch& patch : group.patches)
       patches_[static_cast<std::size_t>(patch.view)].push_back(&patch);
@@ -55,7 +56,7 @@ class DecodedPoints {
 
  private:
   const VideoGroup& group_;
-  const DepthPicture& decoded_;
+  const DecodedDepth& decoded_;
   std::array<std::vector<const Patch*>, kViews> patches_;
 };
 
@@ -122,7 +123,7 @@ void halve(const std::vector<glm::vec3>& colors, ColorPlanes& planes) {
 
 }  // namespace
 
-ColorPlanes color_planes(const VideoGroup& group, const DepthPicture& decoded,
+ColorPlanes color_planes(const VideoGroup& group, const DecodedDepth& decoded,
                          const SurfacePoints& source, const Executor& executor) {
   const DecodedPoints points(group, decoded);
   std::vector<std::uint32_t> target(source.size());
@@ -145,7 +146,7 @@ ColorPlanes color_planes(const VideoGroup& group, const DepthPicture& decoded,
     for (int y = 0; y < patch.height; ++y) {
       for (int x = 0; x < patch.width; ++x) {
         const std::size_t p = planes.luma.at(patch.atlas_x + x, patch.atlas_y + y);
-        if (decoded.depth[p] == DepthPicture::kNoPoint) continue;
+        if (decoded.depth[p] == DecodedDepth::kNoPoint) continue;
         const std::uint32_t nearest =
             nearest_source(source, patch.view, place_of(patch, x, y, decoded.depth[p]));
         const bool any = sums[p].w > 0.0f;
@@ -163,7 +164,7 @@ ColorPlanes color_planes(const VideoGroup& group, const DepthPicture& decoded,
   return planes;
 }
 
-std::vector<std::uint32_t> left_over(const VideoGroup& group, const DepthPicture& decoded,
+std::vector<std::uint32_t> left_over(const VideoGroup& group, const DecodedDepth& decoded,
                                      const SurfacePoints& source, int distance,
                                      const Executor& executor) {
   const DecodedPoints points(group, decoded);

@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "codec/video/av1_decoder.h"
-#include "codec/video/depth_picture.h"
 #include "codec/video/occupancy.h"
 #include "codec/video/video_frame.h"
 #include "codec/video/video_group.h"
 #include "codec/video_encode/av1_encoder.h"
 #include "codec/video_encode/color_planes.h"
+#include "codec/video_encode/decoded_depth.h"
 #include "codec/video_encode/depth_plane.h"
 #include "codec/video_encode/fill_picture.h"
 #include "codec/video_encode/place_patches.h"
@@ -117,7 +117,7 @@ class GroupEncoder {
     std::optional<BlockMask> blocks;
     std::vector<std::uint8_t> mask;
     std::vector<float> depth;  ///< in pixels, then in steps
-    DepthPicture decoded;
+    DecodedDepth decoded;
   };
 
   template <class Body>
@@ -196,7 +196,8 @@ class GroupEncoder {
     Av1Decoder decoder = TRY(Av1Decoder::open({group_.width, group_.height, 10}, options_.threads));
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       const Av1Picture picture = TRY(decoder.decode(units[i]));
-      frames_[i].decoded = read_depth(group_, frames_[i].mask, picture.depth, options_.executor);
+      frames_[i].decoded = decoded_depth(
+          group_, read_depths(group_, *frames_[i].blocks, picture.depth, options_.executor));
     }
     return {};
   }

@@ -17,6 +17,20 @@ constexpr int kFar = 4;  ///< how far from a decoded point its colour may come, 
 /// A point looks for its nearest decoded one in the views that it faces by more than this.
 constexpr float kFaces = 0.1f;
 
+/// A decoded point that is nearer than this, as a square, is where the point is.
+constexpr float kAtPoint = 0.25f;
+
+float faces(const glm::vec3& normal, std::size_t view) {
+  return kViewAxes[view].facing * normal[kViewAxes[view].depth];
+}
+
+std::size_t faced_most(const glm::vec3& normal) {
+  std::size_t best = 0;
+  for (std::size_t v = 1; v < kViews; ++v)
+    if (faces(normal, v) > faces(normal, best)) best = v;
+  return best;
+}
+
 /// Finds decoded points by their place.
 class DecodedPoints {
  public:
@@ -30,6 +44,31 @@ class DecodedPoints {
     std::uint32_t pixel = kNobody;
     float square = std::numeric_limits<float>::max();  ///< of the distance
   };
+
+  /// Whether there is a decoded point of a view within `reach` pixels of a place.
+  bool has_near(std::size_t view, const glm::vec3& place, int reach) const {
+    const ViewAxes& axes = kViewAxes[view];
+    const glm::ivec3 cell(place);
+    const auto most = static_cast<float>(reach * reach);
+    for (const Patch* patch : patches_[view]) {
+      const int x = cell[axes.u] - patch->x, y = cell[axes.v] - patch->y;
+      if (x + reach < 0 || y + reach < 0 || x - reach >= patch->width || y - reach >= patch->height)
+        continue;
+      const auto is_near = [&](int u, int v) {
+        const float down = static_cast<float>(patch->y + v) + 0.5f - place[axes.v];
+        const float along = static_cast<float>(patch->x + u) + 0.5f - place[axes.u];
+        const float deep = decoded_.depth[group_.pixel(patch->atlas_x + u, patch->atlas_y + v)] -
+                           place[axes.depth];
+        return along * along + down * down + deep * deep <= most;
+      };
+      // Most points are right below a pixel.
+      if (x >= 0 && y >= 0 && x < patch->width && y < patch->height && is_near(x, y)) return true;
+      for (int v = std::max(0, y - reach); v <= std::min(patch->height - 1, y + reach); ++v)
+        for (int u = std::max(0, x - reach); u <= std::min(patch->width - 1, x + reach); ++u)
+          if (is_near(u, v)) return true;
+    }
+    return false;
+  }
 
   /// The nearest decoded point of a view within `reach` pixels along each of the picture's axes.
   void look(std::size_t view, const glm::vec3& place, int reach, Found& found) const {
@@ -66,8 +105,9 @@ std::uint32_t nearest_source(const SurfacePoints& source, int view, const glm::v
   const SurfacePoints::Columns& columns = source.columns[static_cast<std::size_t>(axes.depth)];
   const glm::ivec3 cell(place);
   std::uint32_t best = kNobody;
-  for (const int reach : {1, kFar}) {
-    float least = static_cast<float>(kFar * kFar) + 1.0f;
+  // Points of other pixels are hardly nearer than one that is less than a pixel below.
+  for (const int reach : {0, 1, kFar}) {
+    float least = reach == 0 ? 1.0f : static_cast<float>(kFar * kFar) + 1.0f;
     for (int v = std::max(0, cell[axes.v] - reach);
          v <= std::min(source.side - 1, cell[axes.v] + reach); ++v) {
       for (int u = std::max(0, cell[axes.u] - reach);
@@ -128,10 +168,12 @@ ColorPlanes color_planes(const VideoGroup& group, const DecodedDepth& decoded,
   const DecodedPoints points(group, decoded);
   std::vector<std::uint32_t> target(source.size());
   for_each_point(source, executor, [&](std::size_t i) {
+    const glm::vec3& normal = source.normals[i];
+    const std::size_t best = faced_most(normal);
     DecodedPoints::Found found;
-    for (std::size_t v = 0; v < kViews; ++v)
-      if (kViewAxes[v].facing * source.normals[i][kViewAxes[v].depth] > kFaces)
-        points.look(v, source.places[i], 1, found);
+    points.look(best, source.places[i], 1, found);
+    for (std::size_t v = 0; v < kViews && found.square > kAtPoint; ++v)
+      if (v != best && faces(normal, v) > kFaces) points.look(v, source.places[i], 1, found);
     target[i] = found.square <= static_cast<float>(kFar * kFar) ? found.pixel : kNobody;
   });
   std::vector<glm::vec4> sums(group.pixels(), glm::vec4(0.0f));
@@ -165,24 +207,26 @@ ColorPlanes color_planes(const VideoGroup& group, const DecodedDepth& decoded,
 }
 
 std::vector<std::uint32_t> left_over(const VideoGroup& group, const DecodedDepth& decoded,
-                                     const SurfacePoints& source, int distance,
+                                     const SurfacePoints& source,
+                                     const std::vector<std::uint32_t>& of, int distance,
                                      const Executor& executor) {
   const DecodedPoints points(group, decoded);
-  std::vector<std::uint8_t> left(source.size(), 0);
-  for_each_point(source, executor, [&](std::size_t i) {
-    DecodedPoints::Found found;
-    const auto most = static_cast<float>(distance * distance);
-    // First in the views that the point faces, where it is most likely to be.
-    for (const bool faced : {true, false})
-      for (std::size_t v = 0; v < kViews && found.square > most; ++v)
-        if ((kViewAxes[v].facing * source.normals[i][kViewAxes[v].depth] > kFaces) == faced)
-          points.look(v, source.places[i], distance, found);
-    left[i] = found.square > most ? 1 : 0;
+  std::vector<std::vector<std::uint32_t>> left((of.size() + kShare - 1) / kShare);
+  for_each(executor, static_cast<int>(left.size()), [&](int share) {
+    const auto s = static_cast<std::size_t>(share);
+    for (std::size_t k = s * kShare; k < std::min(of.size(), (s + 1) * kShare); ++k) {
+      const std::uint32_t i = of[k];
+      // First in the view that the point faces, where it is most likely to be.
+      const std::size_t best = faced_most(source.normals[i]);
+      bool near = points.has_near(best, source.places[i], distance);
+      for (std::size_t v = 0; v < kViews && !near; ++v)
+        near = v != best && points.has_near(v, source.places[i], distance);
+      if (!near) left[s].push_back(i);
+    }
   });
-  std::vector<std::uint32_t> indices;
-  for (std::size_t i = 0; i < source.size(); ++i)
-    if (left[i] != 0) indices.push_back(static_cast<std::uint32_t>(i));
-  return indices;
+  std::vector<std::uint32_t> all;
+  for (const auto& part : left) all.insert(all.end(), part.begin(), part.end());
+  return all;
 }
 
 }  // namespace pointreel

@@ -20,10 +20,11 @@ struct ColorPlanes {
 ColorPlanes color_planes(const VideoGroup& group, const DecodedDepth& decoded,
                          const SurfacePoints& source, const Executor& executor = {});
 
-/// The points of the source that lie farther than `distance` pixels along an axis from any decoded
-/// point.
+/// Those of the points `of` the source that lie farther than `distance` pixels along an axis from
+/// any decoded point.
 std::vector<std::uint32_t> left_over(const VideoGroup& group, const DecodedDepth& decoded,
-                                     const SurfacePoints& source, int distance,
+                                     const SurfacePoints& source,
+                                     const std::vector<std::uint32_t>& of, int distance,
                                      const Executor& executor = {});
 
 }  // namespace pointreel

@@ -88,41 +88,51 @@ struct Level {
 
 Level pulled(const Level& fine) {
   Level coarse((fine.width + 1) / 2, (fine.height + 1) / 2);
-  for (int y = 0; y < fine.height; ++y) {
-    for (int x = 0; x < fine.width; ++x) {
-      const std::size_t from = fine.at(x, y), to = coarse.at(x / 2, y / 2);
-      coarse.values[to] += fine.weights[from] * fine.values[from];
-      coarse.weights[to] += fine.weights[from];
+  for (int y = 0; y < coarse.height; ++y) {
+    float* const values = &coarse.values[coarse.at(0, y)];
+    float* const weights = &coarse.weights[coarse.at(0, y)];
+    for (int line = 2 * y; line < std::min(2 * y + 2, fine.height); ++line) {
+      const float* const from = &fine.values[fine.at(0, line)];
+      const float* const by = &fine.weights[fine.at(0, line)];
+      for (int x = 0; x < fine.width / 2; ++x) {
+        values[x] += by[2 * x] * from[2 * x] + by[2 * x + 1] * from[2 * x + 1];
+        weights[x] += by[2 * x] + by[2 * x + 1];
+      }
+      if (fine.width % 2 != 0) {
+        values[coarse.width - 1] += by[fine.width - 1] * from[fine.width - 1];
+        weights[coarse.width - 1] += by[fine.width - 1];
+      }
     }
-  }
-  for (std::size_t i = 0; i < coarse.values.size(); ++i) {
-    if (coarse.weights[i] > 0.0f) coarse.values[i] /= coarse.weights[i];
-    coarse.weights[i] = std::min(coarse.weights[i], 1.0f);
+    for (int x = 0; x < coarse.width; ++x) {
+      values[x] /= std::max(weights[x], 1e-9f);
+      weights[x] = std::min(weights[x], 1.0f);
+    }
   }
   return coarse;
 }
 
+/// Gives pixels what the coarser level has around them, as far as their own weight leaves room.
 void push(const Level& coarse, Level& fine) {
+  std::vector<float> lines(static_cast<std::size_t>(coarse.width) + 2);
+  std::vector<float> line(static_cast<std::size_t>(fine.width) + 1);
+  float* const inner = lines.data() + 1;  // with a pixel repeated at both ends
   for (int y = 0; y < fine.height; ++y) {
-    const float fy = std::clamp(0.5f * (static_cast<float>(y) - 0.5f), 0.0f,
-                                static_cast<float>(coarse.height - 1));
-    const int top = static_cast<int>(fy), bottom = std::min(top + 1, coarse.height - 1);
-    const float down = fy - static_cast<float>(top);
-    for (int x = 0; x < fine.width; ++x) {
-      const std::size_t i = fine.at(x, y);
-      const float weight = fine.weights[i];
-      if (weight >= 1.0f) continue;
-      const float fx = std::clamp(0.5f * (static_cast<float>(x) - 0.5f), 0.0f,
-                                  static_cast<float>(coarse.width - 1));
-      const int left = static_cast<int>(fx), right = std::min(left + 1, coarse.width - 1);
-      const float along = fx - static_cast<float>(left);
-      const float above = std::lerp(coarse.values[coarse.at(left, top)],
-                                    coarse.values[coarse.at(right, top)], along);
-      const float below = std::lerp(coarse.values[coarse.at(left, bottom)],
-                                    coarse.values[coarse.at(right, bottom)], along);
-      fine.values[i] = weight * fine.values[i] + (1.0f - weight) * std::lerp(above, below, down);
-      fine.weights[i] = 1.0f;
+    // The centre of a pixel lies a quarter of a coarse one off the centre of its own.
+    const int own = y / 2, other = std::clamp(own + (y % 2 == 0 ? -1 : 1), 0, coarse.height - 1);
+    const float* const at_own = &coarse.values[coarse.at(0, own)];
+    const float* const at_other = &coarse.values[coarse.at(0, other)];
+    for (int x = 0; x < coarse.width; ++x) inner[x] = 0.75f * at_own[x] + 0.25f * at_other[x];
+    inner[-1] = inner[0];
+    inner[coarse.width] = inner[coarse.width - 1];
+    for (int x = 0; x < (fine.width + 1) / 2; ++x) {
+      const auto i = static_cast<std::size_t>(2 * x);
+      line[i] = 0.75f * inner[x] + 0.25f * inner[x - 1];
+      line[i + 1] = 0.75f * inner[x] + 0.25f * inner[x + 1];
     }
+    float* const values = &fine.values[fine.at(0, y)];
+    const float* const weights = &fine.weights[fine.at(0, y)];
+    for (int x = 0; x < fine.width; ++x)
+      values[x] = weights[x] * values[x] + (1.0f - weights[x]) * line[static_cast<std::size_t>(x)];
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -237,17 +238,23 @@ class GroupEncoder {
   }
 
   Result<Bytes> encode_leftovers(std::size_t i) {
-    std::vector<std::uint32_t> left =
-        left_over(group_, frames_[i].decoded, frames_[i].points, kLeftOver, options_.executor);
-    if (static_cast<double>(left.size()) <= kMissing * static_cast<double>(clouds_[i].size()))
-      left = left_over(group_, frames_[i].decoded, frames_[i].points, kVisible, options_.executor);
+    const SurfacePoints& points = frames_[i].points;
+    std::vector<std::uint32_t> left(points.size());
+    std::iota(left.begin(), left.end(), 0u);
+    const auto keep = [&](int distance) {
+      left = left_over(group_, frames_[i].decoded, points, left, distance, options_.executor);
+    };
+    keep(kLeftOver);
+    if (static_cast<double>(left.size()) <= kMissing * static_cast<double>(points.size()))
+      keep(kVisible);
     if (left.empty()) return Bytes{};
     const PointCloud& cloud = clouds_[i];
     PointCloud few;
     few.origin = cloud.origin;
     for (const std::uint32_t point : left) {
-      few.positions.push_back(cloud.positions[point]);
-      if (group_.colors) few.colors.push_back(cloud.colors[point]);
+      const std::uint32_t source = points.source[point];
+      few.positions.push_back(cloud.positions[source]);
+      if (group_.colors) few.colors.push_back(cloud.colors[source]);
     }
     // Cells of two pixels.
     const int depth = static_cast<int>(std::ceil(std::log2(options_.side))) - 1;

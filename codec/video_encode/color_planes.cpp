@@ -7,97 +7,19 @@
 #include <limits>
 
 #include "codec/video/picture_points.h"
+#include "codec/video_encode/decoded_points.h"
 #include "common/base/for_each.h"
 
 namespace pointreel {
 namespace {
 
-constexpr std::uint32_t kNobody = ~0u;
+constexpr std::uint32_t kNobody = DecodedPoints::kNobody;
 constexpr int kFar = 4;  ///< how far from a decoded point its colour may come, in pixels
 /// A point looks for its nearest decoded one in the views that it faces by more than this.
 constexpr float kFaces = 0.1f;
 
 /// A decoded point that is nearer than this, as a square, is where the point is.
 constexpr float kAtPoint = 0.25f;
-
-float faces(const glm::vec3& normal, std::size_t view) {
-  return kViewAxes[view].facing * normal[kViewAxes[view].depth];
-}
-
-std::size_t faced_most(const glm::vec3& normal) {
-  std::size_t best = 0;
-  for (std::size_t v = 1; v < kViews; ++v)
-    if (faces(normal, v) > faces(normal, best)) best = v;
-  return best;
-}
-
-/// Finds decoded points by their place.
-class DecodedPoints {
- public:
-  DecodedPoints(const VideoGroup& group, const DecodedDepth& decoded)
-      : group_(group), decoded_(decoded) {
-    for (const Patch& patch : group.patches)
-      patches_[static_cast<std::size_t>(patch.view)].push_back(&patch);
-  }
-
-  struct Found {
-    std::uint32_t pixel = kNobody;
-    float square = std::numeric_limits<float>::max();  ///< of the distance
-  };
-
-  /// Whether there is a decoded point of a view within `reach` pixels of a place.
-  bool has_near(std::size_t view, const glm::vec3& place, int reach) const {
-    const ViewAxes& axes = kViewAxes[view];
-    const glm::ivec3 cell(place);
-    const auto most = static_cast<float>(reach * reach);
-    for (const Patch* patch : patches_[view]) {
-      const int x = cell[axes.u] - patch->x, y = cell[axes.v] - patch->y;
-      if (x + reach < 0 || y + reach < 0 || x - reach >= patch->width || y - reach >= patch->height)
-        continue;
-      const auto is_near = [&](int u, int v) {
-        const float down = static_cast<float>(patch->y + v) + 0.5f - place[axes.v];
-        const float along = static_cast<float>(patch->x + u) + 0.5f - place[axes.u];
-        const float deep = decoded_.depth[group_.pixel(patch->atlas_x + u, patch->atlas_y + v)] -
-                           place[axes.depth];
-        return along * along + down * down + deep * deep <= most;
-      };
-      // Most points are right below a pixel.
-      if (x >= 0 && y >= 0 && x < patch->width && y < patch->height && is_near(x, y)) return true;
-      for (int v = std::max(0, y - reach); v <= std::min(patch->height - 1, y + reach); ++v)
-        for (int u = std::max(0, x - reach); u <= std::min(patch->width - 1, x + reach); ++u)
-          if (is_near(u, v)) return true;
-    }
-    return false;
-  }
-
-  /// The nearest decoded point of a view within `reach` pixels along each of the picture's axes.
-  void look(std::size_t view, const glm::vec3& place, int reach, Found& found) const {
-    const ViewAxes& axes = kViewAxes[view];
-    const glm::ivec3 cell(place);
-    for (const Patch* patch : patches_[view]) {
-      const int x = cell[axes.u] - patch->x, y = cell[axes.v] - patch->y;
-      if (x + reach < 0 || y + reach < 0 || x - reach >= patch->width || y - reach >= patch->height)
-        continue;
-      for (int v = std::max(0, y - reach); v <= std::min(patch->height - 1, y + reach); ++v) {
-        const float down = static_cast<float>(patch->y + v) + 0.5f - place[axes.v];
-        const std::size_t row =
-            static_cast<std::size_t>(patch->atlas_y + v) * static_cast<std::size_t>(group_.width);
-        for (int u = std::max(0, x - reach); u <= std::min(patch->width - 1, x + reach); ++u) {
-          const std::size_t pixel = row + static_cast<std::size_t>(patch->atlas_x + u);
-          const float along = static_cast<float>(patch->x + u) + 0.5f - place[axes.u];
-          const float deep = decoded_.depth[pixel] - place[axes.depth];
-          const float square = along * along + down * down + deep * deep;
-          if (square < found.square) found = {static_cast<std::uint32_t>(pixel), square};
-        }
-      }
-    }
-  }
-
- private:
-  const VideoGroup& group_;
-  const DecodedDepth& decoded_;
-  std::array<std::vector<const Patch*>, kViews> patches_;
-};
 
 /// The source's point nearest to a place; kNobody if none is near.
 std::uint32_t nearest_source(const SurfacePoints& source, int view, const glm::vec3& place) {
@@ -129,15 +51,16 @@ std::uint32_t nearest_source(const SurfacePoints& source, int view, const glm::v
   return best;
 }
 
-constexpr std::size_t kShare = 1u << 15;
+constexpr std::size_t kPointsInShare = 1u << 15;
 
 template <class Body>
 void for_each_point(const SurfacePoints& source, const Executor& executor, const Body& body) {
-  for_each(executor, static_cast<int>((source.size() + kShare - 1) / kShare), [&](int share) {
-    const std::size_t begin = static_cast<std::size_t>(share) * kShare,
-                      end = std::min(source.size(), begin + kShare);
-    for (std::size_t i = begin; i < end; ++i) body(i);
-  });
+  for_each(executor, static_cast<int>((source.size() + kPointsInShare - 1) / kPointsInShare),
+           [&](int share) {
+             const std::size_t begin = static_cast<std::size_t>(share) * kPointsInShare,
+                               end = std::min(source.size(), begin + kPointsInShare);
+             for (std::size_t i = begin; i < end; ++i) body(i);
+           });
 }
 
 /// The mean of the known ones of four pixels of each plane.
@@ -204,29 +127,6 @@ ColorPlanes color_planes(const VideoGroup& group, const DecodedDepth& decoded,
   });
   halve(colors, planes);
   return planes;
-}
-
-std::vector<std::uint32_t> left_over(const VideoGroup& group, const DecodedDepth& decoded,
-                                     const SurfacePoints& source,
-                                     const std::vector<std::uint32_t>& of, int distance,
-                                     const Executor& executor) {
-  const DecodedPoints points(group, decoded);
-  std::vector<std::vector<std::uint32_t>> left((of.size() + kShare - 1) / kShare);
-  for_each(executor, static_cast<int>(left.size()), [&](int share) {
-    const auto s = static_cast<std::size_t>(share);
-    for (std::size_t k = s * kShare; k < std::min(of.size(), (s + 1) * kShare); ++k) {
-      const std::uint32_t i = of[k];
-      // First in the view that the point faces, where it is most likely to be.
-      const std::size_t best = faced_most(source.normals[i]);
-      bool near = points.has_near(best, source.places[i], distance);
-      for (std::size_t v = 0; v < kViews && !near; ++v)
-        near = v != best && points.has_near(v, source.places[i], distance);
-      if (!near) left[s].push_back(i);
-    }
-  });
-  std::vector<std::uint32_t> all;
-  for (const auto& part : left) all.insert(all.end(), part.begin(), part.end());
-  return all;
 }
 
 }  // namespace pointreel

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "codec/video/video_group.h"
-#include "codec/video_encode/decoded_depth.h"
+#include "codec/video_encode/decoded_points.h"
 #include "codec/video_encode/fill_picture.h"
 #include "codec/video_encode/surface_points.h"
 #include "pointreel/executor.h"
@@ -19,12 +19,5 @@ struct ColorPlanes {
 /// to, together with that of the source's point nearest to it.
 ColorPlanes color_planes(const VideoGroup& group, const DecodedDepth& decoded,
                          const SurfacePoints& source, const Executor& executor = {});
-
-/// Those of the points `of` the source that lie farther than `distance` pixels along an axis from
-/// any decoded point.
-std::vector<std::uint32_t> left_over(const VideoGroup& group, const DecodedDepth& decoded,
-                                     const SurfacePoints& source,
-                                     const std::vector<std::uint32_t>& of, int distance,
-                                     const Executor& executor = {});
 
 }  // namespace pointreel

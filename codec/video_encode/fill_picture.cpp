@@ -13,7 +13,7 @@ namespace {
 constexpr int kRim = 4, kAround = kRim + 3;
 constexpr int kLeastPixels = 6;
 /// Keeps the slopes of planes that few pixels tell of small.
-constexpr double kFlatten = 0.02;
+constexpr float kFlatten = 0.02f;
 
 struct Area {
   int left, top, right, bottom;
@@ -23,29 +23,55 @@ Area area_of(const Patch& patch, int divisor) {
           (patch.atlas_y + patch.height) / divisor};
 }
 
+/// The pixels around one within kRim, nearest first, and how much each within kAround counts.
+struct Around {
+  struct Offset {
+    int u, v;
+  };
+  std::vector<Offset> nearest;
+  std::array<std::array<float, 2 * kAround + 1>, 2 * kAround + 1> weights;
+
+  Around() {
+    const auto square = [](const Offset& o) { return o.u * o.u + o.v * o.v; };
+    for (int v = -kRim; v <= kRim; ++v)
+      for (int u = -kRim; u <= kRim; ++u)
+        if (square({u, v}) <= kRim * kRim) nearest.push_back({u, v});
+    std::stable_sort(nearest.begin(), nearest.end(),
+                     [&](const Offset& a, const Offset& b) { return square(a) < square(b); });
+    for (int v = -kAround; v <= kAround; ++v)
+      for (int u = -kAround; u <= kAround; ++u)
+        weights[static_cast<std::size_t>(v + kAround)][static_cast<std::size_t>(u + kAround)] =
+            1.0f / static_cast<float>(1 + u * u + v * v);
+  }
+};
+
 /// The value at a pixel of the plane that fits the known pixels around it that are on the surface
 /// of the nearest one; nothing if none is near.
-std::optional<float> continued(const Plane& plane, const Area& area, int x, int y, float jump) {
-  int nearest = kRim * kRim + 1;
-  float anchor = 0.0f;
-  for (int v = std::max(area.top, y - kRim); v < std::min(area.bottom, y + kRim + 1); ++v) {
-    for (int u = std::max(area.left, x - kRim); u < std::min(area.right, x + kRim + 1); ++u) {
-      const int distance = (u - x) * (u - x) + (v - y) * (v - y);
-      if (distance >= nearest || plane.known[plane.at(u, v)] == 0) continue;
-      nearest = distance;
-      anchor = plane.values[plane.at(u, v)];
-    }
-  }
-  if (nearest > kRim * kRim) return std::nullopt;
-  double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0, wyy = 0, wz = 0, wxz = 0, wyz = 0;
-  float least = anchor, most = anchor;
+std::optional<float> continued(const Plane& plane, const Area& area, const Around& around, int x,
+                               int y, float jump) {
+  const auto nearest =
+      std::find_if(around.nearest.begin(), around.nearest.end(), [&](const Around::Offset& o) {
+        const int u = x + o.u, v = y + o.v;
+        return u >= area.left && u < area.right && v >= area.top && v < area.bottom &&
+               plane.known[plane.at(u, v)] != 0;
+      });
+  if (nearest == around.nearest.end()) return std::nullopt;
+  // Relative to the nearest value, so that single precision does.
+  const float anchor = plane.values[plane.at(x + nearest->u, y + nearest->v)];
+  float w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0, wyy = 0, wz = 0, wxz = 0, wyz = 0;
+  float least = 0.0f, most = 0.0f;
   int count = 0;
+  const int left = std::max(area.left, x - kAround), right = std::min(area.right, x + kAround + 1);
   for (int v = std::max(area.top, y - kAround); v < std::min(area.bottom, y + kAround + 1); ++v) {
-    for (int u = std::max(area.left, x - kAround); u < std::min(area.right, x + kAround + 1); ++u) {
-      const std::size_t p = plane.at(u, v);
-      if (plane.known[p] == 0 || std::abs(plane.values[p] - anchor) > jump) continue;
-      const double dx = u - x, dy = v - y, z = plane.values[p],
-                   weight = 1.0 / (1.0 + dx * dx + dy * dy);
+    const std::uint8_t* const known = &plane.known[plane.at(0, v)];
+    const float* const values = &plane.values[plane.at(0, v)];
+    const auto& weights = around.weights[static_cast<std::size_t>(v - y + kAround)];
+    const auto dy = static_cast<float>(v - y);
+    for (int u = left; u < right; ++u) {
+      const float z = values[u] - anchor;
+      if (known[u] == 0 || std::abs(z) > jump) continue;
+      const float weight = weights[static_cast<std::size_t>(u - x + kAround)];
+      const auto dx = static_cast<float>(u - x);
       w += weight;
       wx += weight * dx;
       wy += weight * dy;
@@ -55,19 +81,19 @@ std::optional<float> continued(const Plane& plane, const Area& area, int x, int 
       wz += weight * z;
       wxz += weight * dx * z;
       wyz += weight * dy * z;
-      least = std::min(least, plane.values[p]);
-      most = std::max(most, plane.values[p]);
+      least = std::min(least, z);
+      most = std::max(most, z);
       ++count;
     }
   }
   if (count < kLeastPixels) return anchor;
-  const double mx = wx / w, my = wy / w, mz = wz / w;
-  const double xx = wxx / w - mx * mx + kFlatten, yy = wyy / w - my * my + kFlatten,
-               xy = wxy / w - mx * my;
-  const double xz = wxz / w - mx * mz, yz = wyz / w - my * mz, determinant = xx * yy - xy * xy;
-  const double sx = (xz * yy - yz * xy) / determinant, sy = (yz * xx - xz * xy) / determinant;
-  const float value = static_cast<float>(mz - sx * mx - sy * my);
-  return std::clamp(value, least - 0.5f * jump, most + 0.5f * jump);
+  const float mx = wx / w, my = wy / w, mz = wz / w;
+  const float xx = wxx / w - mx * mx + kFlatten, yy = wyy / w - my * my + kFlatten,
+              xy = wxy / w - mx * my;
+  const float xz = wxz / w - mx * mz, yz = wyz / w - my * mz, determinant = xx * yy - xy * xy;
+  const float sx = (xz * yy - yz * xy) / determinant, sy = (yz * xx - xz * xy) / determinant;
+  const float value = mz - sx * mx - sy * my;
+  return anchor + std::clamp(value, least - 0.5f * jump, most + 0.5f * jump);
 }
 
 /// Values with weights from 0 to 1.
@@ -144,6 +170,7 @@ void continue_patches(const VideoGroup& group, float jump, Plane& plane) {
     float value;
   };
   std::vector<Continued> all;
+  const Around around;
   // How many known pixels there are above and to the left: most of a patch is far from its rim.
   const auto row = static_cast<std::size_t>(plane.width) + 1;
   std::vector<std::uint32_t> sums(row * (static_cast<std::size_t>(plane.height) + 1), 0);
@@ -167,7 +194,7 @@ void continue_patches(const VideoGroup& group, float jump, Plane& plane) {
         if (sums[bottom * row + right] + sums[top * row + left] ==
             sums[top * row + right] + sums[bottom * row + left])
           continue;
-        if (const auto value = continued(plane, area, x, y, jump))
+        if (const auto value = continued(plane, area, around, x, y, jump))
           all.push_back({plane.at(x, y), *value});
       }
     }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -13,9 +12,10 @@
 #include "codec/video/video_group.h"
 #include "codec/video_encode/av1_encoder.h"
 #include "codec/video_encode/color_planes.h"
-#include "codec/video_encode/decoded_depth.h"
+#include "codec/video_encode/decoded_points.h"
 #include "codec/video_encode/depth_plane.h"
 #include "codec/video_encode/fill_picture.h"
+#include "codec/video_encode/leftovers.h"
 #include "codec/video_encode/place_patches.h"
 #include "codec/video_encode/surface_points.h"
 #include "codec/video_encode/view_labels.h"
@@ -29,10 +29,6 @@
 namespace pointreel {
 namespace {
 
-/// Points farther than this from all decoded ones, in pixels, are kept apart, unless they are fewer
-/// than this share of all: then only those that are so far away that they are missed.
-constexpr int kLeftOver = 2, kVisible = 5;
-constexpr double kMissing = 0.001;
 /// How far depths of one surface may be apart in neighbouring pixels, in pixels.
 constexpr float kSameSurface = 4.0f;
 
@@ -239,14 +235,8 @@ class GroupEncoder {
 
   Result<Bytes> encode_leftovers(std::size_t i) {
     const SurfacePoints& points = frames_[i].points;
-    std::vector<std::uint32_t> left(points.size());
-    std::iota(left.begin(), left.end(), 0u);
-    const auto keep = [&](int distance) {
-      left = left_over(group_, frames_[i].decoded, points, left, distance, options_.executor);
-    };
-    keep(kLeftOver);
-    if (static_cast<double>(left.size()) <= kMissing * static_cast<double>(points.size()))
-      keep(kVisible);
+    const std::vector<std::uint32_t> left =
+        leftovers(group_, frames_[i].decoded, points, options_.executor);
     if (left.empty()) return Bytes{};
     const PointCloud& cloud = clouds_[i];
     PointCloud few;

@@ -102,9 +102,17 @@ class GroupEncoder {
 
     const std::vector<Bytes> depth = TRY(encode_depth());
     TRY(decode_depth(depth));
-    std::vector<Bytes> colors(frames_.size());
-    if (group_.colors) colors = TRY(encode_colors());
-    return payloads(depth, colors);
+    // The video encoder leaves threads idle, which meanwhile look for what the pictures lack.
+    Result<std::vector<Bytes>> colors = std::vector<Bytes>(frames_.size());
+    Result<std::vector<Bytes>> left = colors;
+    for_each(options_.executor, 2, [&](int i) {
+      if (i == 1) {
+        left = encode_leftovers();
+      } else if (group_.colors) {
+        colors = encode_colors();
+      }
+    });
+    return payloads(depth, TRY(std::move(colors)), TRY(std::move(left)));
   }
 
  private:
@@ -219,18 +227,25 @@ class GroupEncoder {
   }
 
   Result<std::vector<Chunks<Bytes>>> payloads(const std::vector<Bytes>& depth,
-                                              const std::vector<Bytes>& colors) {
+                                              const std::vector<Bytes>& colors,
+                                              const std::vector<Bytes>& left) {
     std::vector<Chunks<Bytes>> payloads;
     OccupancyCoder occupancy(group_);
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       VideoGeometry geometry;
       if (i == 0) write_video_group(group_, geometry.group);
       occupancy.encode(*frames_[i].blocks, geometry.occupancy);
-      geometry.leftovers = TRY(encode_leftovers(i));
+      geometry.leftovers = left[i];
       geometry.depth = depth[i];
       payloads.push_back(video_chunks(static_cast<int>(i), geometry, colors[i]));
     }
     return payloads;
+  }
+
+  Result<std::vector<Bytes>> encode_leftovers() {
+    std::vector<Bytes> all;
+    for (std::size_t i = 0; i < frames_.size(); ++i) all.push_back(TRY(encode_leftovers(i)));
+    return all;
   }
 
   Result<Bytes> encode_leftovers(std::size_t i) {

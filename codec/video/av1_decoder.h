@@ -17,7 +17,7 @@ struct PlaneView {
   const Sample* samples = nullptr;
   std::ptrdiff_t stride = 0;  ///< from a row to the next, in samples
 
-  Sample at(int x, int y) const { return samples[y * stride + x]; }
+  const Sample* from(int x, int y) const { return samples + y * stride + x; }
 };
 
 /// What a decoder of AV1 must give, or the picture is an error.

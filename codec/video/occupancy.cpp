@@ -53,10 +53,6 @@ class PatchBlocks {
     if (x < 0 || y < 0 || x >= width || y >= height) return 0;
     return mask_.at(left_ + x, top_ + y);
   }
-  /// That of the nearest block in the patch.
-  unsigned get_clamped(int x, int y) const {
-    return mask_.at(left_ + std::clamp(x, 0, width - 1), top_ + std::clamp(y, 0, height - 1));
-  }
   void set(int x, int y, unsigned on) {
     mask_.at(left_ + x, top_ + y) = static_cast<std::uint8_t>(on);
   }
@@ -79,26 +75,39 @@ BlockMask::BlockMask(const VideoGroup& group)
       height(group.height / kBlock),
       on(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
 
+void edges_of_row(const Patch& patch, const BlockMask& blocks, int y, std::uint16_t* pixels) {
+  const int left = patch.atlas_x / kBlock, top = patch.atlas_y / kBlock;
+  const int width = patch.width / kBlock, height = patch.height / kBlock;
+  std::array<const std::uint8_t*, 3> rows{};
+  for (int k = 0; k < 3; ++k)
+    rows[static_cast<std::size_t>(k)] =
+        &blocks.on[static_cast<std::size_t>(top + std::clamp(y + k - 1, 0, height - 1)) *
+                       static_cast<std::size_t>(blocks.width) +
+                   static_cast<std::size_t>(left)];
+  const auto column = [&](int x) {
+    return static_cast<unsigned>(rows[0][x] | rows[1][x] << 3 | rows[2][x] << 6);
+  };
+  unsigned before = column(0), now = before;
+  for (int x = 0; x < width; ++x) {
+    const unsigned next = column(std::min(x + 1, width - 1));
+    pixels[x] = kEdges[before | now << 1 | next << 2];
+    before = now;
+    now = next;
+  }
+}
+
 std::vector<std::uint8_t> pixel_mask(const VideoGroup& group, const BlockMask& blocks) {
   std::vector<std::uint8_t> mask(group.pixels());
-  BlockMask copy = blocks;
+  std::vector<std::uint16_t> edges;
   for (const Patch& patch : group.patches) {
-    const PatchBlocks in(patch, copy);
-    for (int by = 0; by < in.height; ++by) {
-      for (int bx = 0; bx < in.width; ++bx) {
-        unsigned around = 0;
-        for (int y = 0; y < 3; ++y)
-          for (int x = 0; x < 3; ++x)
-            around |= in.get_clamped(bx + x - 1, by + y - 1) << (3 * y + x);
-        const unsigned pixels = kEdges[around];
-        if (pixels == 0) continue;
-        for (int y = 0; y < kBlock; ++y) {
-          std::uint8_t* row = &mask[static_cast<std::size_t>(patch.atlas_y + kBlock * by + y) *
-                                        static_cast<std::size_t>(group.width) +
-                                    static_cast<std::size_t>(patch.atlas_x + kBlock * bx)];
-          for (int x = 0; x < kBlock; ++x) row[x] = pixels >> (kBlock * y + x) & 1u;
-        }
-      }
+    edges.resize(static_cast<std::size_t>(patch.width / kBlock));
+    for (int y = 0; y < patch.height; ++y) {
+      if (y % kBlock == 0) edges_of_row(patch, blocks, y / kBlock, edges.data());
+      std::uint8_t* const row = &mask[group.pixel(patch.atlas_x, patch.atlas_y + y)];
+      for (int x = 0; x < patch.width; ++x)
+        row[x] =
+            edges[static_cast<std::size_t>(x / kBlock)] >> (kBlock * (y % kBlock) + x % kBlock) &
+            1u;
     }
   }
   return mask;

@@ -30,8 +30,12 @@ struct BlockMask {
   }
 };
 
-/// A flag for each pixel of the pictures. The edges of a block are rounded off by its neighbours:
+/// The pixels that hold a point in each block of one row of a patch, row `y` of its blocks: bit
+/// kBlock * row + column. The edges of a block are rounded off by its neighbours:
 /// a pixel is on where the flags of the blocks, interpolated between their centres, exceed a half.
+void edges_of_row(const Patch& patch, const BlockMask& blocks, int y, std::uint16_t* pixels);
+
+/// A flag for each pixel of the pictures: whether it holds a point.
 std::vector<std::uint8_t> pixel_mask(const VideoGroup& group, const BlockMask& blocks);
 
 /// Codes the masks of a group's frames, in their order. What was learned from one frame serves the

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "codec/octree/frame_header.h"
-#include "codec/video/depth_picture.h"
+#include "codec/video/picture_points.h"
+#include "codec/video/pixel_depths.h"
 #include "common/base/byte_io.h"
 #include "common/base/concat.h"
 #include "common/base/for_each.h"
@@ -183,16 +184,18 @@ Result<PointCloud> points_of(const VideoPictures& pictures, const DecodeLimits& 
                              bool normals) {
   return or_out_of_memory([&]() -> Result<PointCloud> {
     const VideoGroup& group = *pictures.group;
-    const DepthPicture depth = read_depth(group, pixel_mask(group, pictures.blocks),
-                                          pictures.depth.depth, limits.executor);
-    PointCloud cloud = points_of(group, depth, pictures.colors ? &*pictures.colors : nullptr,
-                                 normals, limits.executor);
-    if (pictures.leftovers.empty()) return cloud;
-    DecodeLimits all = limits;
-    all.inner_nodes = false;
-    all.leaves = true;
-    const DecodedFrame left = TRY(decode_octree(TRY(leftover_layers(pictures.leftovers)), all));
-    append(cloud, left.cloud, normals);
+    const PixelDepths depths =
+        read_depths(group, pictures.blocks, pictures.depth.depth, limits.executor);
+    PointCloud left;
+    if (!pictures.leftovers.empty()) {
+      DecodeLimits all = limits;
+      all.inner_nodes = false;
+      all.leaves = true;
+      left = TRY(decode_octree(TRY(leftover_layers(pictures.leftovers)), all)).cloud;
+    }
+    PointCloud cloud = points_of(group, depths, pictures.colors ? &*pictures.colors : nullptr,
+                                 normals, left.size(), limits.executor);
+    append(cloud, left, normals);
     return cloud;
   });
 }

@@ -46,8 +46,10 @@ struct VideoGroup {
   std::array<DepthSteps, kViews> depth{};
   std::vector<Patch> patches;
 
-  std::size_t pixels() const {
-    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  std::size_t pixels() const { return pixel(0, height); }
+  std::size_t pixel(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(x);
   }
 };
 

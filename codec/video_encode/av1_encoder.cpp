@@ -40,7 +40,8 @@ class Encoder {
     settings.frame_rate_numerator = 30;
     settings.frame_rate_denominator = 1;
     settings.rate_control_mode = 0;
-    settings.enable_adaptive_quantization = 2;
+    // It saves bits where there is much to see, of which depth knows nothing.
+    settings.enable_adaptive_quantization = options.bits == 8 ? 2 : 0;
     settings.qp = static_cast<std::uint32_t>(options.quantizer);
     settings.intra_period_length = options.frames - 1;
     settings.intra_refresh_type = SVT_AV1_KF_REFRESH;  // closed groups

@@ -6,58 +6,20 @@
 #include <cstddef>
 #include <limits>
 
+#include "codec/video/picture_points.h"
+#include "codec/video_encode/decoded_points.h"
 #include "common/base/for_each.h"
 
 namespace pointreel {
 namespace {
 
-constexpr std::uint32_t kNobody = ~0u;
+constexpr std::uint32_t kNobody = DecodedPoints::kNobody;
 constexpr int kFar = 4;  ///< how far from a decoded point its colour may come, in pixels
 /// A point looks for its nearest decoded one in the views that it faces by more than this.
 constexpr float kFaces = 0.1f;
 
-/// Finds decoded points by their place.
-class DecodedPoints {
- public:
-  DecodedPoints(const VideoGroup& group, const DepthPicture& decoded)
-      : group_(group), decoded_(decoded) {
-    for (const Patch& patch : group.patches)
-      patches_[static_cast<std::size_t>(patch.view)].push_back(&patch);
-  }
-
-  struct Found {
-    std::uint32_t pixel = kNobody;
-    float square = std::numeric_limits<float>::max();  ///< of the distance
-  };
-
-  /// The nearest decoded point of a view within `reach` pixels along each of the picture's axes.
-  void look(std::size_t view, const glm::vec3& place, int reach, Found& found) const {
-    const ViewAxes& axes = kViewAxes[view];
-    const glm::ivec3 cell(place);
-    for (const Patch* patch : patches_[view]) {
-      const int x = cell[axes.u] - patch->x, y = cell[axes.v] - patch->y;
-      if (x + reach < 0 || y + reach < 0 || x - reach >= patch->width || y - reach >= patch->height)
-        continue;
-      for (int v = std::max(0, y - reach); v <= std::min(patch->height - 1, y + reach); ++v) {
-        const float down = static_cast<float>(patch->y + v) + 0.5f - place[axes.v];
-        const std::size_t row =
-            static_cast<std::size_t>(patch->atlas_y + v) * static_cast<std::size_t>(group_.width);
-        for (int u = std::max(0, x - reach); u <= std::min(patch->width - 1, x + reach); ++u) {
-          const std::size_t pixel = row + static_cast<std::size_t>(patch->atlas_x + u);
-          const float along = static_cast<float>(patch->x + u) + 0.5f - place[axes.u];
-          const float deep = decoded_.depth[pixel] - place[axes.depth];
-          const float square = along * along + down * down + deep * deep;
-          if (square < found.square) found = {static_cast<std::uint32_t>(pixel), square};
-        }
-      }
-    }
-  }
-
- private:
-  const VideoGroup& group_;
-  const DepthPicture& decoded_;
-  std::array<std::vector<const Patch*>, kViews> patches_;
-};
+/// A decoded point that is nearer than this, as a square, is where the point is.
+constexpr float kAtPoint = 0.25f;
 
 /// The source's point nearest to a place; kNobody if none is near.
 std::uint32_t nearest_source(const SurfacePoints& source, int view, const glm::vec3& place) {
@@ -65,8 +27,9 @@ std::uint32_t nearest_source(const SurfacePoints& source, int view, const glm::v
   const SurfacePoints::Columns& columns = source.columns[static_cast<std::size_t>(axes.depth)];
   const glm::ivec3 cell(place);
   std::uint32_t best = kNobody;
-  for (const int reach : {1, kFar}) {
-    float least = static_cast<float>(kFar * kFar) + 1.0f;
+  // Points of other pixels are hardly nearer than one that is less than a pixel below.
+  for (const int reach : {0, 1, kFar}) {
+    float least = reach == 0 ? 1.0f : static_cast<float>(kFar * kFar) + 1.0f;
     for (int v = std::max(0, cell[axes.v] - reach);
          v <= std::min(source.side - 1, cell[axes.v] + reach); ++v) {
       for (int u = std::max(0, cell[axes.u] - reach);
@@ -88,15 +51,16 @@ std::uint32_t nearest_source(const SurfacePoints& source, int view, const glm::v
   return best;
 }
 
-constexpr std::size_t kShare = 1u << 15;
+constexpr std::size_t kPointsInShare = 1u << 15;
 
 template <class Body>
 void for_each_point(const SurfacePoints& source, const Executor& executor, const Body& body) {
-  for_each(executor, static_cast<int>((source.size() + kShare - 1) / kShare), [&](int share) {
-    const std::size_t begin = static_cast<std::size_t>(share) * kShare,
-                      end = std::min(source.size(), begin + kShare);
-    for (std::size_t i = begin; i < end; ++i) body(i);
-  });
+  for_each(executor, static_cast<int>((source.size() + kPointsInShare - 1) / kPointsInShare),
+           [&](int share) {
+             const std::size_t begin = static_cast<std::size_t>(share) * kPointsInShare,
+                               end = std::min(source.size(), begin + kPointsInShare);
+             for (std::size_t i = begin; i < end; ++i) body(i);
+           });
 }
 
 /// The mean of the known ones of four pixels of each plane.
@@ -122,15 +86,17 @@ void halve(const std::vector<glm::vec3>& colors, ColorPlanes& planes) {
 
 }  // namespace
 
-ColorPlanes color_planes(const VideoGroup& group, const DepthPicture& decoded,
+ColorPlanes color_planes(const VideoGroup& group, const DecodedDepth& decoded,
                          const SurfacePoints& source, const Executor& executor) {
   const DecodedPoints points(group, decoded);
   std::vector<std::uint32_t> target(source.size());
   for_each_point(source, executor, [&](std::size_t i) {
+    const glm::vec3& normal = source.normals[i];
+    const std::size_t best = faced_most(normal);
     DecodedPoints::Found found;
-    for (std::size_t v = 0; v < kViews; ++v)
-      if (kViewAxes[v].facing * source.normals[i][kViewAxes[v].depth] > kFaces)
-        points.look(v, source.places[i], 1, found);
+    points.look(best, source.places[i], 1, found);
+    for (std::size_t v = 0; v < kViews && found.square > kAtPoint; ++v)
+      if (v != best && faces(normal, v) > kFaces) points.look(v, source.places[i], 1, found);
     target[i] = found.square <= static_cast<float>(kFar * kFar) ? found.pixel : kNobody;
   });
   std::vector<glm::vec4> sums(group.pixels(), glm::vec4(0.0f));
@@ -145,7 +111,7 @@ ColorPlanes color_planes(const VideoGroup& group, const DepthPicture& decoded,
     for (int y = 0; y < patch.height; ++y) {
       for (int x = 0; x < patch.width; ++x) {
         const std::size_t p = planes.luma.at(patch.atlas_x + x, patch.atlas_y + y);
-        if (decoded.depth[p] == DepthPicture::kNoPoint) continue;
+        if (decoded.depth[p] == DecodedDepth::kNoPoint) continue;
         const std::uint32_t nearest =
             nearest_source(source, patch.view, place_of(patch, x, y, decoded.depth[p]));
         const bool any = sums[p].w > 0.0f;
@@ -161,27 +127,6 @@ ColorPlanes color_planes(const VideoGroup& group, const DepthPicture& decoded,
   });
   halve(colors, planes);
   return planes;
-}
-
-std::vector<std::uint32_t> left_over(const VideoGroup& group, const DepthPicture& decoded,
-                                     const SurfacePoints& source, int distance,
-                                     const Executor& executor) {
-  const DecodedPoints points(group, decoded);
-  std::vector<std::uint8_t> left(source.size(), 0);
-  for_each_point(source, executor, [&](std::size_t i) {
-    DecodedPoints::Found found;
-    const auto most = static_cast<float>(distance * distance);
-    // First in the views that the point faces, where it is most likely to be.
-    for (const bool faced : {true, false})
-      for (std::size_t v = 0; v < kViews && found.square > most; ++v)
-        if ((kViewAxes[v].facing * source.normals[i][kViewAxes[v].depth] > kFaces) == faced)
-          points.look(v, source.places[i], distance, found);
-    left[i] = found.square > most ? 1 : 0;
-  });
-  std::vector<std::uint32_t> indices;
-  for (std::size_t i = 0; i < source.size(); ++i)
-    if (left[i] != 0) indices.push_back(static_cast<std::uint32_t>(i));
-  return indices;
 }
 
 }  // namespace pointreel

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "codec/video/depth_picture.h"
 #include "codec/video/video_group.h"
+#include "codec/video_encode/decoded_points.h"
 #include "codec/video_encode/fill_picture.h"
 #include "codec/video_encode/surface_points.h"
 #include "pointreel/executor.h"
@@ -17,13 +17,7 @@ struct ColorPlanes {
 
 /// The colours of decoded points: each has the mean of the source's points that it is the nearest
 /// to, together with that of the source's point nearest to it.
-ColorPlanes color_planes(const VideoGroup& group, const DepthPicture& decoded,
+ColorPlanes color_planes(const VideoGroup& group, const DecodedDepth& decoded,
                          const SurfacePoints& source, const Executor& executor = {});
-
-/// The points of the source that lie farther than `distance` pixels along an axis from any decoded
-/// point.
-std::vector<std::uint32_t> left_over(const VideoGroup& group, const DepthPicture& decoded,
-                                     const SurfacePoints& source, int distance,
-                                     const Executor& executor = {});
 
 }  // namespace pointreel

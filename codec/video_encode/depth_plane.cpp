@@ -43,6 +43,14 @@ class DepthOfPatch {
   }
 
   void fill(const std::vector<std::uint8_t>& mask) {
+    struct Pixel {
+      int x, y;
+    };
+    std::vector<Pixel> open;
+    for_each_pixel([&](int x, int y) {
+      const std::size_t p = at(group_, patch_, x, y);
+      if (mask[p] != 0 && depth_[p] == ViewLayer::kNone) open.push_back({x, y});
+    });
     struct Found {
       float* depth;
       float value;
@@ -50,12 +58,13 @@ class DepthOfPatch {
     std::vector<Found> found;
     for (int round = 0; round < kRounds; ++round) {
       found.clear();
-      for_each_pixel([&](int x, int y) {
-        if (mask[at(group_, patch_, x, y)] == 0 || of(x, y) != ViewLayer::kNone) return;
-        const float expected = mean_around(x, y);
-        if (expected == ViewLayer::kNone) return;
-        if (const float value = nearest(x, y, expected); value != ViewLayer::kNone)
-          found.push_back({&of(x, y), value});
+      std::erase_if(open, [&](const Pixel& pixel) {
+        const float expected = mean_around(pixel.x, pixel.y);
+        if (expected == ViewLayer::kNone) return false;
+        const float value = nearest(pixel.x, pixel.y, expected);
+        if (value == ViewLayer::kNone) return false;
+        found.push_back({&of(pixel.x, pixel.y), value});
+        return true;
       });
       if (found.empty()) return;
       for (const Found& f : found) *f.depth = f.value;

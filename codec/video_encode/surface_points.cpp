@@ -1,6 +1,10 @@
 #include "codec/video_encode/surface_points.h"
 
 #include <algorithm>
+#include <cstddef>
+
+#include "codec/core/morton.h"
+#include "codec/core/radix_sort.h"
 
 namespace pointreel {
 namespace {
@@ -24,6 +28,8 @@ SurfacePoints::Columns columns_of(const SurfacePoints& points, int axis) {
   for (std::size_t p = 0; p < side * side; ++p) {
     const auto first = columns.points.begin() + columns.begin[p],
                end = columns.points.begin() + columns.begin[p + 1];
+    if (first == end) continue;
+    columns.used.push_back(static_cast<std::uint32_t>(p));
     if (end - first > 1)
       std::sort(first, end,
                 [&](auto a, auto b) { return depth(a) != depth(b) ? depth(a) < depth(b) : a < b; });
@@ -37,12 +43,28 @@ SurfacePoints surface_points(const PointCloud& cloud, const glm::dvec3& corner, 
                              int side) {
   SurfacePoints points;
   points.side = side;
-  points.places.reserve(cloud.size());
+  std::vector<glm::vec3> places;
+  std::vector<KeyIndex> order;
+  places.reserve(cloud.size());
+  order.reserve(cloud.size());
   const float most = static_cast<float>(side) - 0.01f;
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    points.places.push_back(glm::clamp(glm::vec3((cloud.world(i) - corner) / pitch), 0.0f, most));
-  points.normals = cloud.normals;
-  for (const glm::u16vec3& color : cloud.colors) points.colors.push_back(glm::vec3(color) / 257.0f);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    places.push_back(glm::clamp(glm::vec3((cloud.world(i) - corner) / pitch), 0.0f, most));
+    order.emplace_back(
+        morton_encode(glm::uvec3(places.back()) / std::uint32_t{SurfacePoints::kCell}),
+        static_cast<std::uint32_t>(i));
+  }
+  radix_sort(order);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const std::uint32_t from = order[i].index;
+    points.source.push_back(from);
+    points.places.push_back(places[from]);
+    points.normals.push_back(cloud.normals[from]);
+    if (cloud.has_colors()) points.colors.push_back(glm::vec3(cloud.colors[from]) / 257.0f);
+    if (i == 0 || order[i].key != order[i - 1].key)
+      points.cell_begin.push_back(static_cast<std::uint32_t>(i));
+  }
+  points.cell_begin.push_back(static_cast<std::uint32_t>(order.size()));
   for (int axis = 0; axis < 3; ++axis)
     points.columns[static_cast<std::size_t>(axis)] = columns_of(points, axis);
   return points;

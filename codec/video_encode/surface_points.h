@@ -11,22 +11,27 @@
 
 namespace pointreel {
 
-/// The points of a frame, in pixels from the corner of its group's cube, and for each axis the
-/// points of each pixel of the views along it.
+/// The points of a frame, in pixels from the corner of its group's cube, sorted by cells of a few
+/// pixels, and for each axis the points of each pixel of the views along it.
 struct SurfacePoints {
+  static constexpr int kCell = 8;  ///< pixels along each side of a cell
+
   /// The points of each pixel, in the order of their depth.
   struct Columns {
     std::vector<std::uint32_t> begin;   ///< of each pixel, row by row, and one more
     std::vector<std::uint32_t> points;  ///< their indices
+    std::vector<std::uint32_t> used;    ///< the pixels that have points, in their order
 
     std::size_t first(std::size_t pixel) const { return begin[pixel]; }
     std::size_t end(std::size_t pixel) const { return begin[pixel + 1]; }
   };
 
-  int side = 0;                    ///< pixels along each side of a view
-  std::vector<glm::vec3> places;   ///< from 0 to `side`
-  std::vector<glm::vec3> normals;  ///< of unit length or zero, as many
-  std::vector<glm::vec3> colors;   ///< from 0 to 255, as many, or none
+  int side = 0;                           ///< pixels along each side of a view
+  std::vector<glm::vec3> places;          ///< from 0 to `side`
+  std::vector<glm::vec3> normals;         ///< of unit length or zero, as many
+  std::vector<glm::vec3> colors;          ///< from 0 to 255, as many, or none
+  std::vector<std::uint32_t> source;      ///< the index of each in the cloud
+  std::vector<std::uint32_t> cell_begin;  ///< of the points of each cell that has any, and one more
   std::array<Columns, 3> columns;
 
   std::size_t size() const { return places.size(); }

@@ -7,14 +7,15 @@
 #include <utility>
 
 #include "codec/video/av1_decoder.h"
-#include "codec/video/depth_picture.h"
 #include "codec/video/occupancy.h"
 #include "codec/video/video_frame.h"
 #include "codec/video/video_group.h"
 #include "codec/video_encode/av1_encoder.h"
 #include "codec/video_encode/color_planes.h"
+#include "codec/video_encode/decoded_points.h"
 #include "codec/video_encode/depth_plane.h"
 #include "codec/video_encode/fill_picture.h"
+#include "codec/video_encode/leftovers.h"
 #include "codec/video_encode/place_patches.h"
 #include "codec/video_encode/surface_points.h"
 #include "codec/video_encode/view_labels.h"
@@ -28,10 +29,6 @@
 namespace pointreel {
 namespace {
 
-/// Points farther than this from all decoded ones, in pixels, are kept apart, unless they are fewer
-/// than this share of all: then only those that are so far away that they are missed.
-constexpr int kLeftOver = 2, kVisible = 5;
-constexpr double kMissing = 0.001;
 /// How far depths of one surface may be apart in neighbouring pixels, in pixels.
 constexpr float kSameSurface = 4.0f;
 
@@ -105,9 +102,17 @@ class GroupEncoder {
 
     const std::vector<Bytes> depth = TRY(encode_depth());
     TRY(decode_depth(depth));
-    std::vector<Bytes> colors(frames_.size());
-    if (group_.colors) colors = TRY(encode_colors());
-    return payloads(depth, colors);
+    // The video encoder leaves threads idle, which meanwhile look for what the pictures lack.
+    Result<std::vector<Bytes>> colors = std::vector<Bytes>(frames_.size());
+    Result<std::vector<Bytes>> left = colors;
+    for_each(options_.executor, 2, [&](int i) {
+      if (i == 1) {
+        left = encode_leftovers();
+      } else if (group_.colors) {
+        colors = encode_colors();
+      }
+    });
+    return payloads(depth, TRY(std::move(colors)), TRY(std::move(left)));
   }
 
  private:
@@ -117,7 +122,7 @@ class GroupEncoder {
     std::optional<BlockMask> blocks;
     std::vector<std::uint8_t> mask;
     std::vector<float> depth;  ///< in pixels, then in steps
-    DepthPicture decoded;
+    DecodedDepth decoded;
   };
 
   template <class Body>
@@ -196,7 +201,8 @@ class GroupEncoder {
     Av1Decoder decoder = TRY(Av1Decoder::open({group_.width, group_.height, 10}, options_.threads));
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       const Av1Picture picture = TRY(decoder.decode(units[i]));
-      frames_[i].decoded = read_depth(group_, frames_[i].mask, picture.depth, options_.executor);
+      frames_[i].decoded = decoded_depth(
+          group_, read_depths(group_, *frames_[i].blocks, picture.depth, options_.executor));
     }
     return {};
   }
@@ -221,32 +227,39 @@ class GroupEncoder {
   }
 
   Result<std::vector<Chunks<Bytes>>> payloads(const std::vector<Bytes>& depth,
-                                              const std::vector<Bytes>& colors) {
+                                              const std::vector<Bytes>& colors,
+                                              const std::vector<Bytes>& left) {
     std::vector<Chunks<Bytes>> payloads;
     OccupancyCoder occupancy(group_);
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       VideoGeometry geometry;
       if (i == 0) write_video_group(group_, geometry.group);
       occupancy.encode(*frames_[i].blocks, geometry.occupancy);
-      geometry.leftovers = TRY(encode_leftovers(i));
+      geometry.leftovers = left[i];
       geometry.depth = depth[i];
       payloads.push_back(video_chunks(static_cast<int>(i), geometry, colors[i]));
     }
     return payloads;
   }
 
+  Result<std::vector<Bytes>> encode_leftovers() {
+    std::vector<Bytes> all;
+    for (std::size_t i = 0; i < frames_.size(); ++i) all.push_back(TRY(encode_leftovers(i)));
+    return all;
+  }
+
   Result<Bytes> encode_leftovers(std::size_t i) {
-    std::vector<std::uint32_t> left =
-        left_over(group_, frames_[i].decoded, frames_[i].points, kLeftOver, options_.executor);
-    if (static_cast<double>(left.size()) <= kMissing * static_cast<double>(clouds_[i].size()))
-      left = left_over(group_, frames_[i].decoded, frames_[i].points, kVisible, options_.executor);
+    const SurfacePoints& points = frames_[i].points;
+    const std::vector<std::uint32_t> left =
+        leftovers(group_, frames_[i].decoded, points, options_.executor);
     if (left.empty()) return Bytes{};
     const PointCloud& cloud = clouds_[i];
     PointCloud few;
     few.origin = cloud.origin;
     for (const std::uint32_t point : left) {
-      few.positions.push_back(cloud.positions[point]);
-      if (group_.colors) few.colors.push_back(cloud.colors[point]);
+      const std::uint32_t source = points.source[point];
+      few.positions.push_back(cloud.positions[source]);
+      if (group_.colors) few.colors.push_back(cloud.colors[source]);
     }
     // Cells of two pixels.
     const int depth = static_cast<int>(std::ceil(std::log2(options_.side))) - 1;

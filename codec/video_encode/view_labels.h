@@ -22,7 +22,6 @@ class ViewLabels {
   struct Cell {
     std::array<float, kViews> labels{};  ///< points of each view, in the cell and those around it
     glm::vec3 mean{0.0f};                ///< of the places
-    float count = 0.0f;
   };
 
   std::unordered_map<std::uint32_t, Cell> before_;

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <numeric>
+#include <optional>
+#include <tuple>
 
 #include "common/base/for_each.h"
 
@@ -33,9 +36,17 @@ struct BlockSums {
       : side((pixels + kPlan - 1) / kPlan),
         blocks(static_cast<std::size_t>(side) * static_cast<std::size_t>(side)) {}
   BlockSums(int pixels, const ViewLayer& layer) : BlockSums(pixels) {
-    for (std::size_t p = 0; p < layer.depth.size(); ++p)
-      if (layer.depth[p] != ViewLayer::kNone)
-        add(p, static_cast<std::size_t>(pixels), layer.depth[p]);
+    if (!layer.used()) return;
+    const float* depth = layer.depth.data();
+    for (int y = 0; y < pixels; ++y) {
+      Block* const row =
+          &blocks[static_cast<std::size_t>(y / kPlan) * static_cast<std::size_t>(side)];
+      for (int x = 0; x < pixels; ++x, ++depth) {
+        if (*depth == ViewLayer::kNone) continue;
+        row[x / kPlan].sum += *depth;
+        ++row[x / kPlan].count;
+      }
+    }
   }
 
   std::size_t of_pixel(std::size_t pixel, std::size_t pixels) const {
@@ -68,6 +79,8 @@ class Unions {
   std::vector<std::uint32_t> parent_;
 };
 
+constexpr std::uint32_t kNowhere = ~0u;
+
 /// A pixel of a patch: of its points, the outermost.
 struct PatchPixel {
   std::uint32_t pixel;
@@ -83,18 +96,18 @@ class OneView {
         axes_(kViewAxes[static_cast<std::size_t>(view)]),
         layers_(layers),
         pixels_(static_cast<std::size_t>(points.side)) {
+    sums_of_patch_.resize(BlockSums(points.side).blocks.size());
     for (int l = 0; l < kViewLayers; ++l) {
-      sums_.emplace_back(points.side, layers[static_cast<std::size_t>(l)]);
+      sums_.emplace_back(points.side);
       if (before != nullptr)
         before_.emplace_back(points.side, (*before)[static_cast<std::size_t>(l)]);
     }
   }
 
-  /// Lays the points of this view for which `wanted` holds.
-  template <class Wanted>
-  void lay(const Wanted& wanted, bool again) {
+  /// Lays points of this view, which are in the order of their pixels and then of their depth.
+  void lay(const std::vector<std::uint32_t>& points, bool again) {
     for (const std::vector<PatchPixel>& patch :
-         patches_of(wanted, again ? kSmallestAgain : kSmallest)) {
+         patches_of(points, again ? kSmallestAgain : kSmallest)) {
       const auto [layer, cost] = cheapest(patch);
       if (again && cost > 0.5f * static_cast<float>(plan_.size())) continue;
       put(patch, layer);
@@ -105,32 +118,41 @@ class OneView {
   float depth_of(std::uint32_t point) const { return points_.places[point][axes_.depth]; }
 
   /// Patches from large to small.
-  template <class Wanted>
-  std::vector<std::vector<PatchPixel>> patches_of(const Wanted& wanted, std::size_t smallest) {
-    const SurfacePoints::Columns& columns = points_.columns[static_cast<std::size_t>(axes_.depth)];
-    // The wanted points in the order of their pixels, and where those of a pixel begin.
-    std::vector<std::uint32_t> order;
-    std::vector<std::uint32_t> begin(pixels_ * pixels_ + 1);
-    for (std::size_t p = 0; p < pixels_ * pixels_; ++p) {
-      begin[p] = static_cast<std::uint32_t>(order.size());
-      for (std::size_t k = columns.first(p); k < columns.end(p); ++k)
-        if (wanted(columns.points[k])) order.push_back(columns.points[k]);
+  std::vector<std::vector<PatchPixel>> patches_of(const std::vector<std::uint32_t>& order,
+                                                  std::size_t smallest) {
+    // The pixels that have some of the points, where these begin, and where each pixel is found.
+    std::vector<std::uint32_t> pixels, begin;
+    for (std::uint32_t i = 0; i < order.size(); ++i) {
+      const auto pixel = static_cast<std::uint32_t>(points_.pixel_of(order[i], axes_));
+      if (!pixels.empty() && pixels.back() == pixel) continue;
+      pixels.push_back(pixel);
+      begin.push_back(i);
     }
-    begin.back() = static_cast<std::uint32_t>(order.size());
+    begin.push_back(static_cast<std::uint32_t>(order.size()));
+    number_.resize(pixels_ * pixels_, kNowhere);
+    for (std::uint32_t n = 0; n < pixels.size(); ++n) number_[pixels[n]] = n;
+
     Unions unions(order.size());
+    const auto join = [&](std::uint32_t i, std::uint32_t j) {
+      if (std::abs(depth_of(order[i]) - depth_of(order[j])) <= kJump) unions.join(i, j);
+    };
     const int side = points_.side;
-    for (std::size_t p = 0; p < pixels_ * pixels_; ++p) {
-      if (begin[p] == begin[p + 1]) continue;
-      const int x = static_cast<int>(p) % side, y = static_cast<int>(p) / side;
-      constexpr int kRight[] = {0, 1, 0, 1, -1}, kDown[] = {0, 0, 1, 1, 1};
-      for (int n = 0; n < 5; ++n) {
-        if (x + kRight[n] < 0 || x + kRight[n] >= side || y + kDown[n] >= side) continue;
-        const std::size_t q = p + static_cast<std::size_t>(kDown[n] * side + kRight[n]);
-        for (std::uint32_t i = begin[p]; i < begin[p + 1]; ++i)
-          for (std::uint32_t j = n == 0 ? i + 1 : begin[q]; j < begin[q + 1]; ++j)
-            if (std::abs(depth_of(order[i]) - depth_of(order[j])) <= kJump) unions.join(i, j);
+    for (std::uint32_t n = 0; n < pixels.size(); ++n) {
+      for (std::uint32_t i = begin[n] + 1; i < begin[n + 1]; ++i)
+        for (std::uint32_t j = begin[n]; j < i; ++j) join(j, i);
+      const int x = static_cast<int>(pixels[n]) % side, y = static_cast<int>(pixels[n]) / side;
+      constexpr int kRight[] = {1, 0, 1, -1}, kDown[] = {0, 1, 1, 1};
+      for (int k = 0; k < 4; ++k) {
+        if (x + kRight[k] < 0 || x + kRight[k] >= side || y + kDown[k] >= side) continue;
+        const std::uint32_t other =
+            number_[pixels[n] + static_cast<std::size_t>(kDown[k] * side + kRight[k])];
+        if (other == kNowhere) continue;
+        for (std::uint32_t i = begin[n]; i < begin[n + 1]; ++i)
+          for (std::uint32_t j = begin[other]; j < begin[other + 1]; ++j) join(i, j);
       }
     }
+    for (const std::uint32_t pixel : pixels) number_[pixel] = kNowhere;
+
     std::vector<std::uint32_t> size(order.size(), 0);
     for (std::uint32_t i = 0; i < order.size(); ++i) ++size[unions.find(i)];
     std::vector<std::uint32_t> roots;
@@ -141,14 +163,14 @@ class OneView {
     std::vector<std::uint32_t> place(order.size(), 0);
     for (std::uint32_t k = 0; k < roots.size(); ++k) place[roots[k]] = k + 1;
     std::vector<std::vector<PatchPixel>> patches(roots.size());
-    for (std::size_t p = 0; p < pixels_ * pixels_; ++p) {
-      for (std::uint32_t i = begin[p]; i < begin[p + 1]; ++i) {
+    for (std::uint32_t n = 0; n < pixels.size(); ++n) {
+      for (std::uint32_t i = begin[n]; i < begin[n + 1]; ++i) {
         const std::uint32_t number = place[unions.find(i)];
         if (number == 0) continue;
         std::vector<PatchPixel>& patch = patches[number - 1];
         const float depth = depth_of(order[i]);
-        if (patch.empty() || patch.back().pixel != p)
-          patch.push_back({static_cast<std::uint32_t>(p), depth});
+        if (patch.empty() || patch.back().pixel != pixels[n])
+          patch.push_back({pixels[n], depth});
         else if (axes_.facing * depth > axes_.facing * patch.back().depth)
           patch.back().depth = depth;
       }
@@ -163,8 +185,8 @@ class OneView {
 
   /// The layer that a patch costs least in; plan_ is then the patch in blocks.
   Choice cheapest(const std::vector<PatchPixel>& patch) {
+    for (const std::size_t b : plan_) sums_of_patch_[b] = {};
     plan_.clear();
-    sums_of_patch_.assign(sums_[0].blocks.size(), {});
     for (const PatchPixel& pixel : patch) {
       const std::size_t b = sums_[0].of_pixel(pixel.pixel, pixels_);
       BlockSums::Block& block = sums_of_patch_[b];
@@ -226,43 +248,75 @@ class OneView {
   std::vector<BlockSums> sums_, before_;
   std::vector<std::size_t> plan_;
   std::vector<BlockSums::Block> sums_of_patch_;
+  std::vector<std::uint32_t> number_;
 };
 
 /// Whether a pixel of a view is within one pixel of a place along each axis.
 bool is_near(const glm::vec3& place, const ViewAxes& axes,
              const std::array<ViewLayer, kViewLayers>& layers, int side) {
   const glm::ivec3 cell(place);
+  const int u = cell[axes.u], v = cell[axes.v];
   for (const ViewLayer& layer : layers) {
     if (!layer.used()) continue;
-    for (int y = std::max(0, cell[axes.v] - 1); y <= std::min(side - 1, cell[axes.v] + 1); ++y) {
-      for (int x = std::max(0, cell[axes.u] - 1); x <= std::min(side - 1, cell[axes.u] + 1); ++x) {
-        const float depth = layer.depth[static_cast<std::size_t>(y * side + x)];
-        if (depth != ViewLayer::kNone && std::abs(depth - place[axes.depth]) <= 1.01f) return true;
-      }
-    }
+    const auto holds = [&](int x, int y) {
+      const float depth = layer.depth[static_cast<std::size_t>(y * side + x)];
+      return depth != ViewLayer::kNone && std::abs(depth - place[axes.depth]) <= 1.01f;
+    };
+    if (holds(u, v)) return true;
+    for (int y = std::max(0, v - 1); y <= std::min(side - 1, v + 1); ++y)
+      for (int x = std::max(0, u - 1); x <= std::min(side - 1, u + 1); ++x)
+        if (holds(x, y)) return true;
   }
   return false;
 }
 
-/// Which points have no pixel within one pixel along each axis.
-std::vector<std::uint8_t> uncovered(const SurfacePoints& points,
-                                    const std::vector<std::uint8_t>& labels,
-                                    const ViewLayers& layers, const Executor& executor) {
-  std::vector<std::uint8_t> left(points.size(), 0);
+/// Those of the points that have no pixel within one pixel along each axis.
+std::vector<std::uint32_t> uncovered(const SurfacePoints& points,
+                                     const std::vector<std::uint32_t>& of,
+                                     const std::vector<std::uint8_t>& labels,
+                                     const ViewLayers& layers, const Executor& executor) {
   constexpr std::size_t kShare = 1u << 15;
-  for_each(executor, static_cast<int>((points.size() + kShare - 1) / kShare), [&](int share) {
-    const std::size_t begin = static_cast<std::size_t>(share) * kShare,
-                      end = std::min(points.size(), begin + kShare);
-    for (std::size_t i = begin; i < end; ++i) {
+  std::vector<std::vector<std::uint32_t>> left((of.size() + kShare - 1) / kShare);
+  for_each(executor, static_cast<int>(left.size()), [&](int share) {
+    const auto s = static_cast<std::size_t>(share);
+    for (std::size_t k = s * kShare; k < std::min(of.size(), (s + 1) * kShare); ++k) {
+      const std::uint32_t i = of[k];
       const auto near = [&](std::size_t v) {
         return is_near(points.places[i], kViewAxes[v], layers[v], points.side);
       };
       bool found = near(labels[i]);
       for (std::size_t v = 0; v < kViews && !found; ++v) found = v != labels[i] && near(v);
-      left[i] = found ? 0 : 1;
+      if (!found) left[s].push_back(i);
     }
   });
-  return left;
+  std::vector<std::uint32_t> all;
+  for (const auto& part : left) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+/// The points of a view, in the order of their pixels and then of their depth.
+std::vector<std::uint32_t> of_view(const SurfacePoints& points,
+                                   const std::vector<std::uint8_t>& labels, int view) {
+  const SurfacePoints::Columns& columns = points.columns[static_cast<std::size_t>(view / 2)];
+  std::vector<std::uint32_t> chosen;
+  std::copy_if(columns.points.begin(), columns.points.end(), std::back_inserter(chosen),
+               [&](std::uint32_t i) { return labels[i] == view; });
+  return chosen;
+}
+
+/// The same of a few points.
+std::vector<std::uint32_t> of_view(const SurfacePoints& points,
+                                   const std::vector<std::uint8_t>& labels, int view,
+                                   const std::vector<std::uint32_t>& few) {
+  const ViewAxes& axes = kViewAxes[static_cast<std::size_t>(view)];
+  std::vector<std::uint32_t> chosen;
+  std::copy_if(few.begin(), few.end(), std::back_inserter(chosen),
+               [&](std::uint32_t i) { return labels[i] == view; });
+  const auto key = [&](std::uint32_t i) {
+    return std::make_tuple(points.pixel_of(i, axes), points.places[i][axes.depth], i);
+  };
+  std::sort(chosen.begin(), chosen.end(), [&](auto a, auto b) { return key(a) < key(b); });
+  return chosen;
 }
 
 }  // namespace
@@ -270,14 +324,18 @@ std::vector<std::uint8_t> uncovered(const SurfacePoints& points,
 ViewLayers lay_into_views(const SurfacePoints& points, const std::vector<std::uint8_t>& labels,
                           const ViewLayers* before, const Executor& executor) {
   ViewLayers layers;
-  std::vector<std::uint8_t> left(points.size(), 1);
+  std::array<std::optional<OneView>, kViews> views;
+  std::vector<std::uint32_t> left(points.size());
+  std::iota(left.begin(), left.end(), 0u);
   for (int pass = 0; pass < kPasses; ++pass) {
     for_each(executor, kViews, [&](int view) {
       const auto v = static_cast<std::size_t>(view);
-      OneView one(points, view, before != nullptr ? &(*before)[v] : nullptr, layers[v]);
-      one.lay([&](std::uint32_t i) { return labels[i] == view && left[i] != 0; }, pass > 0);
+      if (pass == 0)
+        views[v].emplace(points, view, before != nullptr ? &(*before)[v] : nullptr, layers[v]);
+      views[v]->lay(pass == 0 ? of_view(points, labels, view) : of_view(points, labels, view, left),
+                    pass > 0);
     });
-    if (pass + 1 < kPasses) left = uncovered(points, labels, layers, executor);
+    if (pass + 1 < kPasses) left = uncovered(points, left, labels, layers, executor);
   }
   return layers;
 }

@@ -27,10 +27,10 @@ struct Quantizers {
   int quality, depth, color;
 };
 constexpr std::array<Quantizers, 7> kQuantizers{{{1, 44, 56},
-                                                 {20, 28, 44},
-                                                 {30, 20, 40},
-                                                 {40, 16, 38},
-                                                 {50, 12, 36},
+                                                 {20, 28, 46},
+                                                 {30, 20, 43},
+                                                 {40, 16, 41},
+                                                 {50, 12, 37},
                                                  {64, 8, 32},
                                                  {100, 3, 12}}};
 

@@ -19,7 +19,7 @@ namespace pointreel {
 
 inline constexpr int kPackageVersion = 1;
 /// The finest level of the octree that video stands on.
-inline constexpr int kVideoBaseLevel = 7;
+inline constexpr int kVideoBaseLevel = 6;
 inline constexpr const char* kManifestName = "reel.json";
 /// The largest reel.json that readers accept, in bytes.
 inline constexpr std::uint64_t kMaxManifestBytes = 32u << 20;

@@ -38,6 +38,14 @@ export declare class PointreelPlayer extends HTMLElement {
   environment: string;
   /** Of surfaces in the light of a studio or an environment: 0.2, with small and bright highlights, to 1. */
   roughness: number;
+  /** From where the whole is seen at first: "front", "back", "left", "right", "top", "bottom", or "YAW,PITCH" in degrees. */
+  view: string;
+  /** The axis that points up, "x", "-x", "y", "-y", "z" or "-z", in place of the source's. */
+  up: string;
+  /** Behind what is drawn: "#rrggbb". */
+  background: string;
+  /** A grid on the floor. */
+  floor: boolean;
   /** Where live streams stand: "-0.6,0,0 0.6,0,0", in the units of the sources. */
   places: string;
   /** What a server wants to see before it answers. */

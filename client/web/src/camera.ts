@@ -27,6 +27,19 @@ const NAMED: Record<string, [number, number]> = {
   top: [0, Math.PI / 2], bottom: [0, -Math.PI / 2],
 };
 export type NamedView = keyof typeof NAMED;
+/** Yaw and pitch of a named view or of "YAW,PITCH" in degrees; null for anything else. */
+export function directionOf(text: string): [number, number] | null {
+  if (Object.keys(NAMED).includes(text)) return NAMED[text]!;
+  const angles = text.split(",").map((part) => (part.trim() === "" ? NaN : (Number(part) * Math.PI) / 180));
+  return angles.length === 2 && angles.every(Number.isFinite) ? [angles[0]!, angles[1]!] : null;
+}
+
+const UPS = ["-z", "-y", "-x", "", "x", "y", "z"];
+/** The axis that points up, as PrCamera has it; null for what is none. */
+export function upOf(text: string): number | null {
+  const at = text === "" ? -1 : UPS.indexOf(text);
+  return at < 0 ? null : at - 3;
+}
 
 /** A camera of client/scene/camera.h, whose functions the module has. */
 export class Camera implements Viewpoint {
@@ -62,8 +75,8 @@ export class Camera implements Viewpoint {
   }
   centerOn(point: Vec3): void { this.change("pr_camera_center_on", ...point); }
 
-  lookFrom(view: NamedView): void {
-    const [yaw, pitch] = NAMED[view]!;
+  lookFrom(view: NamedView): void { this.lookAlong(NAMED[view]!); }
+  lookAlong([yaw, pitch]: readonly [number, number]): void {
     this.state[4] = this.state[5] = 0;
     this.orbit(yaw, pitch);
   }

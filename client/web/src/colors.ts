@@ -1,5 +1,5 @@
 // What colours show: as --color and --color-range of the desktop player.
-import { COLORS, ColorSource, Light } from "./module";
+import { COLORS, ColorSource, Light, Vec3 } from "./module";
 
 /** A scalar field in place of colours. */
 export interface ScalarChoice {
@@ -30,6 +30,12 @@ export const rangeText = ({ scalar }: Coloring): string => scalar?.range?.join("
 export function roughnessOf(text: string | null): number {
   const number = text === null || text.trim() === "" ? NaN : Number(text);
   return number >= LEAST_ROUGHNESS && number <= 1 ? number : 0.5;
+}
+
+/** Of "#rrggbb", from 0 to 1 each; null for anything else. */
+export function rgbOf(text: string): Vec3 | null {
+  if (!/^#[0-9a-f]{6}$/i.test(text)) return null;
+  return [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16) / 255) as Vec3;
 }
 
 /** Normals are what is shown, or light falls on them. */

@@ -1,16 +1,20 @@
 // <pointreel-player>: a player as an element, with attributes, events and methods as <video> has them.
 import type { PointreelPlayer as Declared } from "../package/element";
+import { directionOf, upOf } from "./camera";
+import { coloringOf, rgbOf, roughnessOf } from "./colors";
 import { Controls } from "./controls/controls";
 import { element } from "./controls/dom";
-import { coloringOf, roughnessOf } from "./colors";
 import { drawLegend } from "./legend";
 import { Light, LIGHTS, MODES, Mode } from "./module";
-import { Player, PlayerEvent } from "./player";
+import { DEFAULTS, Player, PlayerEvent, Settings } from "./player";
 import { placesOf, sourcesOf } from "./sources";
 import style from "./style.css";
 
 const sheet = new CSSStyleSheet();
 sheet.replaceSync(style);
+
+/** Attributes that are settings of the player. */
+const SETTINGS = ["mode", "color", "color-range", "light", "environment", "roughness", "background", "floor"];
 
 interface Range {
   /** Microseconds. */
@@ -44,8 +48,7 @@ interface Starting {
 
 /** The attributes, properties and events are those of package/element.d.ts. */
 export class PointreelPlayer extends HTMLElement implements Declared {
-  static readonly observedAttributes = ["src", "loop", "controls", "mode", "poster", "color", "color-range", "light", "environment",
-                                        "roughness"];
+  static readonly observedAttributes = ["src", "loop", "controls", "poster", "view", "up", ...SETTINGS];
   readonly player: Player;
   private readonly canvas = element("canvas", { role: "img", tabindex: "0", "aria-label": "Moving point cloud" });
   private readonly spinner = element("div", { class: "spinner" });
@@ -98,13 +101,32 @@ export class PointreelPlayer extends HTMLElement implements Declared {
     // already: connectedCallback loads it, when all are known.
     if (name === "src" && this.observer) this.load();
     if (name === "loop" && this.player.isOpen) this.player.setLoop(this.loop);
-    if (name === "mode") this.player.set({ mode: this.mode });
-    if (name.startsWith("color")) this.player.set(coloringOf(this.color, this.colorRange));
-    if (name === "light" || name === "environment") this.player.set({ light: this.light, environment: this.environment });
-    if (name === "roughness") this.player.set({ roughness: this.roughness });
+    if (SETTINGS.includes(name)) this.player.set(this.settingsOf(name));
+    if (name === "view" || name === "up") this.player.setHome({ up: upOf(this.up), direction: directionOf(this.view) });
     if (name === "controls") this.showControls();
     if (name === "poster") this.showPoster();
   }
+
+  /** What an attribute says of drawing. */
+  private settingsOf(name: string): Partial<Settings> {
+    switch (name) {
+      case "mode":
+        return { mode: this.mode };
+      case "light":
+      case "environment":
+        return { light: this.light, environment: this.environment };
+      case "roughness":
+        return { roughness: this.roughness };
+      case "background":
+        return { background: rgbOf(this.background) ?? DEFAULTS.background };
+      case "floor":
+        return { floor: this.floor };
+      default:
+        return coloringOf(this.color, this.colorRange);
+    }
+  }
+  /** Draws as all attributes say. */
+  applySettings(): void { this.player.set(Object.assign({}, ...SETTINGS.map((name) => this.settingsOf(name)))); }
 
   private fit(): void {
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
@@ -268,6 +290,15 @@ export class PointreelPlayer extends HTMLElement implements Declared {
   set environment(value: string) { this.setAttribute("environment", value); }
   get roughness(): number { return roughnessOf(this.getAttribute("roughness")); }
   set roughness(value: number) { this.setAttribute("roughness", String(value)); }
+
+  get view(): string { return this.getAttribute("view") ?? ""; }
+  set view(value: string) { this.setAttribute("view", value); }
+  get up(): string { return this.getAttribute("up") ?? ""; }
+  set up(value: string) { this.setAttribute("up", value); }
+  get background(): string { return this.getAttribute("background") ?? ""; }
+  set background(value: string) { this.setAttribute("background", value); }
+  get floor(): boolean { return this.hasAttribute("floor"); }
+  set floor(value: boolean) { this.toggleAttribute("floor", value); }
 
   get places(): string { return this.getAttribute("places") ?? ""; }
   set places(value: string) { this.setAttribute("places", value); }

@@ -8,6 +8,8 @@ const MANIFEST_BYTES = 33_554_432;
 const STALL_MS = 5000;
 /** Of files that servers sent whole where ranges were asked for. */
 const KEPT_BYTES = 64 << 20;
+/** Browsers do not tell a server of another origin that does not answer from one that this page may not read. */
+const MOST_UNREAD = 10;
 const sleep = (ms: number) => new Promise((resolve) => setTimeout(resolve, ms));
 
 /** What a person should know of an answer that is not the content. */
@@ -171,6 +173,7 @@ export class Fetcher {
 
   /** Tries again, with growing pauses, as long as the failure may pass. */
   private async persist(signal: AbortSignal, attempt: () => Promise<Uint8Array>): Promise<Uint8Array> {
+    let unread = 0;
     for (let pause = 100;; pause = Math.min(2 * pause, 500)) {
       try {
         const bytes = await attempt();
@@ -178,6 +181,9 @@ export class Fetcher {
         return bytes;
       } catch (error) {
         if (signal.aborted || error instanceof FetchError) throw error;
+        if (error instanceof TypeError && this.total === 0 && this.base.origin !== location.origin && ++unread >= MOST_UNREAD)
+          throw new FetchError(`${this.base.host} does not answer, or does not let this page read; with pointreel-server: ` +
+                               `serve --allow-origin ${location.origin}`);
         this.trouble = error instanceof TypeError ? "no connection to the server" : (error as Error).message;
         await sleep(pause * (1 - Math.random() / 3));
         if (signal.aborted) throw error;

@@ -1,7 +1,7 @@
 // The page: the list of a server at BASE/, a reel at BASE/REEL, live streams at BASE/?live=a,b.
 import { element } from "./controls/dom";
 import { PointreelPlayer } from "./element";
-import { readFragment, writeFragment } from "./fragment";
+import { DRAWING, readFragment, Shown, writeFragment } from "./fragment";
 import { showList } from "./list";
 
 const root = document.getElementById("page")!;
@@ -11,7 +11,8 @@ const query = new URLSearchParams(location.search);
 // page's files are found below BASE/live, too.
 const base = new URL(new URL("../../", import.meta.url).pathname.replace(/live\/$/, ""), location.href);
 // A token in the fragment never reaches the server's log.
-const token = new URLSearchParams(location.hash.slice(1)).get("token");
+const tokenOf = () => new URLSearchParams(location.hash.slice(1)).get("token");
+const token = tokenOf();
 
 /** Part of an address, for people; as it is, if it is not UTF-8: names of folders need not be. */
 function decoded(part: string): string {
@@ -37,13 +38,22 @@ function sources(): string | null {
   return path === "" ? null : new URL(path, base).href;
 }
 
+/** Draws as the address says, and returns what else it says. */
+function draw(player: PointreelPlayer): Shown {
+  const shown = readFragment(location.hash);
+  for (const [name, value] of [["mode", shown.mode], ...DRAWING.map((each) => [each, shown.drawing.get(each)])] as const) {
+    if (value !== undefined) player.setAttribute(name!, value);
+    else player.removeAttribute(name!);
+  }
+  player.applySettings();  // the panel may have changed what no attribute says
+  return shown;
+}
+
 function show(src: string): void {
   const player = element("pointreel-player", { controls: "", tabindex: "-1" }) as PointreelPlayer;
-  const { seconds, mode, view, drawing } = readFragment(location.hash);
-  if (mode) player.mode = mode;
-  for (const [name, value] of drawing) player.setAttribute(name, value);
+  const { seconds, view } = draw(player);
   if (seconds !== undefined) player.currentTime = seconds;
-  player.player.set({ floor: true });
+  player.floor = true;
   player.player.firstView = view ?? null;
   player.loop = true;
   player.autoplay = seconds === undefined;
@@ -62,8 +72,18 @@ function show(src: string): void {
   for (const event of ["viewchange", "seeked", "pause", "settingschange"])
     player.addEventListener(event, () => {
       clearTimeout(timer);
-      timer = window.setTimeout(() => { if (player.paused && player.player.pictures > 0) note(); }, 500);
+      timer = window.setTimeout(() => {
+        if ((player.paused || player.player.isLive) && player.player.pictures > 0) note();
+      }, 500);
     });
+  // Somebody has written another "#..." behind the address.
+  window.addEventListener("hashchange", () => {
+    const named = tokenOf();
+    if (named !== null && named !== player.token) return location.reload();
+    const { seconds, view } = draw(player);
+    if (seconds !== undefined) player.currentTime = seconds;
+    if (view) player.player.move(view);
+  });
   document.title = `${decoded(src.split(/[/?]/).filter((p) => p && p !== "reel.json").pop() ?? "")} – Pointreel`;
   // Keys work from anywhere on the page.
   document.addEventListener("keydown", (event) => {

@@ -50,6 +50,14 @@ export type PlayerEvent =
   "loadedmetadata" | "firstpicture" | "play" | "pause" | "seeking" | "seeked" | "timeupdate" | "waiting" |
   "playing" | "ended" | "error" | "progress" | "viewchange" | "settingschange" | "ratechange" | "volumechange";
 
+/** From where the whole scene is seen at first. */
+export interface Home {
+  /** PrCamera's; null: as the source says. */
+  up: number | null;
+  /** Yaw and pitch; null: the front, slightly from above. */
+  direction: readonly [number, number] | null;
+}
+
 /** Shows pictures in place of the canvas, and calls drawFrame for each. */
 export interface Display {
   /** Null before anything is known. */
@@ -98,6 +106,7 @@ export class Player {
   private loudness = 1;
   private isMuted = false;
   private homeAspect = 0;
+  private home: Home = { up: null, direction: null };
   /** To be applied once there is a camera. */
   firstView: ((camera: Camera) => void) | null = null;
 
@@ -160,7 +169,7 @@ export class Player {
       opening.signal.throwIfAborted();
       this.content = opened;
       opened.setVolume(this.loudness, this.isMuted);
-      this.camera = new Camera(opened.module, opened.up);
+      this.camera = new Camera(opened.module, this.home.up ?? opened.up);
       this.environment ??= new Environment(opened.module, () => this.set({}));
       this.environment.follow(this.settings.environment);
       if (this.reel) {
@@ -302,13 +311,17 @@ export class Player {
     this.onEvent("viewchange");
     this.schedule();
   }
+  setHome(home: Home): void {
+    this.home = home;
+    this.lookHome();
+  }
   lookHome(): void {
     const box = this.content?.viewBounds() ?? null;
     if (!this.camera || !box) return;
-    const up = this.content?.up ?? 2;
-    this.camera.state[8] = up;
+    this.camera.state[8] = this.home.up ?? this.content?.up ?? 2;
     this.homeAspect = this.aspect;
     this.camera.frameBounds(box, this.aspect);
+    if (this.home.direction) this.camera.lookAlong(this.home.direction);
     this.hasMoved = false;
     this.hasBounds = true;
     this.lookNumber += 1;

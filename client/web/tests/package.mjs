@@ -3,10 +3,10 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { writeFileSync } from "node:fs";
-import { join } from "node:path";
+import { basename, join } from "node:path";
 import { test } from "node:test";
 import { openBrowser, until } from "./browser.mjs";
-import { serveFiles } from "./origins.mjs";
+import { serveFiles, serveReels } from "./origins.mjs";
 import { installPackage } from "./package_site.mjs";
 import { openTab } from "./tab.mjs";
 
@@ -102,6 +102,28 @@ test("as of <video>: the poster stands until a frame is there, and moving the el
   await tab.evaluate("(events.splice(0), document.body.prepend(player))");
   assert.deepEqual(await tab.evaluate("[player.frame, events.join()]"), [30, ""]);
   await close();
+});
+
+test("attributes say from where a reel is seen, and on what", async () => {
+  const { tab, close } = await openOne();
+  await tab.evaluate("Object.assign(player, { view: '90,10', up: '-y', background: '#ff0000', floor: true, src })");
+  await until(tab, "player.readyState >= 2", "a frame is there");
+  const state = () => tab.evaluate(`[Math.round(player.player.camera.yaw * 180 / Math.PI), player.player.camera.up,
+                                     player.player.settings.background.join(), player.player.settings.floor].join(" ")`);
+  assert.equal(await state(), "90 -2 1,0,0 true");
+  await tab.evaluate("Object.assign(player, { view: 'back', up: '', background: 'no colour', floor: false })");
+  assert.match(await state(), /^-?180 2 0\.1\S* false$/);
+  await close();
+});
+
+test("a server that does not let the page read a reel is named", async () => {
+  const refusing = await serveReels(process.argv[3], [process.argv[4]], "https://elsewhere.example");
+  const { tab, close } = await openOne();
+  await tab.evaluate(`player.src = ${JSON.stringify(`${refusing.origin}/${basename(process.argv[4])}`)}`);
+  await until(tab, "player.error", "it fails");
+  assert.match(await tab.evaluate("player.error.message"), /does not let this page read; .* --allow-origin http:/);
+  await close();
+  refusing.close();
 });
 
 test("programs in TypeScript know its interface", () => {

@@ -74,6 +74,19 @@ test("a seek shows exactly that frame", async () => {
   await close();
 });
 
+test("another part behind # in the address is obeyed at once", async () => {
+  const { tab, close } = await open("#t=0&mode=point");
+  await settled(tab);
+  await tab.keyboard.press("m");  // no attribute knows
+  await ask(tab, `location.hash = "#t=" + player.player.reel.reel.timesUs[5] / 1e6 + "&color=normals&view=0,1,0,3,0.5,0.25,2"`);
+  await until(tab, "document.querySelector('pointreel-player').frame === 5", "the frame is shown");
+  await settled(tab);
+  const { mode, color } = await ask(tab, "player.player.settings");
+  assert.deepEqual([mode, color], ["surfel", "normals"]);
+  assert.ok(Math.abs(await ask(tab, "player.player.camera.yaw") - 0.5) < 1e-9);
+  await close();
+});
+
 test("keys step, change the mode and the direction of view", async () => {
   const { tab, close } = await open("#t=0");
   await settled(tab);

@@ -83,15 +83,20 @@ Result<DecodedFrame> FrameDecoder::decode(const std::vector<Chunks<ByteView>>& l
 
 Result<PointCloud> FrameDecoder::decode_video(const PackageFiles& files, const Manifest& manifest,
                                               std::uint32_t frame) const {
-  const std::uint32_t index = locate(manifest, frame).index % manifest.group_frames;
+  const std::uint32_t begin = frame - locate(manifest, frame).index % manifest.group_frames;
   DecodeLimits limits;
   limits.max_memory = max_memory_;
   limits.executor = tbb_executor();
-  VideoDecoder decoder;
-  for (std::uint32_t i = frame - index;; ++i) {
+  VideoPlace& place = video_.local();
+  const std::optional<std::uint32_t> ready = std::exchange(place.next, std::nullopt);
+  const bool goes_on = ready && *ready >= begin && *ready <= frame;
+  for (std::uint32_t i = goes_on ? *ready : begin;; ++i) {
     const Chunks<Bytes> chunks = TRY(read_layer(files, manifest, i, 1));
-    const VideoPictures pictures = TRY(decoder.next({chunks.geometry, chunks.colors, {}}, limits));
-    if (i == frame) return points_of(pictures, limits);
+    const VideoPictures pictures =
+        TRY(place.decoder.next({chunks.geometry, chunks.colors, {}}, limits));
+    if (i < frame) continue;
+    place.next = frame + 1;
+    return points_of(pictures, limits);
   }
 }
 

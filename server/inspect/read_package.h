@@ -1,15 +1,16 @@
 #pragma once
 
 #include <cstdint>
-#include <exception>
 #include <filesystem>
 #include <memory>
 #include <mutex>
-#include <new>
+#include <optional>
 #include <vector>
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include "codec/video/video_frame.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
 #include "pointreel/error.h"
@@ -41,13 +42,21 @@ class FrameDecoder {
   Result<void> read_tables(const PackageFiles& files, const PackageFile& tables);
 
   Result<DecodedFrame> decode(const std::vector<Chunks<ByteView>>& layers) const;
-  /// The points of a frame of video, for which those before it in its group are decoded, too. The
-  /// error does not name the file.
+  /// The points of a frame of video, for which those before it in its group are decoded, too,
+  /// unless this thread has done so for the last one that it asked for. The error does not name the
+  /// file.
   Result<PointCloud> decode_video(const PackageFiles& files, const Manifest& manifest,
                                   std::uint32_t frame) const;
 
  private:
+  /// What a thread goes on with.
+  struct VideoPlace {
+    VideoDecoder decoder;
+    std::optional<std::uint32_t> next;  ///< the frame that the decoder is ready for
+  };
+
   std::uint64_t max_memory_;
+  mutable tbb::enumerable_thread_specific<VideoPlace> video_;
   std::shared_ptr<const ContextTables> tables_;
 };
 

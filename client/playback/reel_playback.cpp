@@ -110,6 +110,9 @@ Result<SceneFrame> ReelPlayback::prepare(const FrameRequest& request, const Fetc
   auto scene = TRY(prepare_frame(
       fetched, frame_info(manifest(), request.frame), options,
       [&request] { return request.stop.stop_requested(); }, &record));
+  // The octree below a video is whole by itself, but not all of the frame.
+  if (manifest().codec == "video" && scene.layers == 1)
+    scene.level = std::min(scene.level, kVideoBaseLevel);
   if (manifest().frame_count() > 1) {
     const std::lock_guard lock(prepare_mutex_);
     strip_record_ = std::move(record);

@@ -56,7 +56,9 @@ bool LayerPlan::update(Clock::TimePoint now, LayerControl::Situation situation, 
   return set_caps(caps);
 }
 
-bool LayerPlan::set_caps(const LayerCaps& caps) {
+bool LayerPlan::set_caps(LayerCaps caps) {
+  // The octree below a video is so coarse that fewer pictures a second look better.
+  if (manifest_.codec == "video") caps.machine_layers = LayerCaps{}.machine_layers;
   if (caps == this->caps()) return false;
   link_cap_ = caps.link;
   machine_cap_ = caps.machine_layers;

@@ -52,7 +52,7 @@ class LayerPlan {
 
  private:
   LayerCaps caps() const { return {link_cap_, machine_cap_}; }
-  bool set_caps(const LayerCaps& caps);
+  bool set_caps(LayerCaps caps);
 
   const Manifest& manifest_;
   mutable std::mutex mutex_;  ///< guards control_

@@ -60,8 +60,9 @@ Result<std::vector<Chunks<ByteView>>> leftover_layers(ByteView bytes) {
 
 void append(PointCloud& cloud, const PointCloud& more, bool normals) {
   const glm::vec3 offset(more.origin - cloud.origin);
+  const bool colors = cloud.has_colors() || (cloud.empty() && more.has_colors());
   for (const glm::vec3& position : more.positions) cloud.positions.push_back(offset + position);
-  if (cloud.has_colors()) {
+  if (colors) {
     if (more.has_colors())
       cloud.colors.insert(cloud.colors.end(), more.colors.begin(), more.colors.end());
     cloud.colors.resize(cloud.size());

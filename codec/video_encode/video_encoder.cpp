@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "codec/octree/frame_header.h"
 #include "codec/video/av1_decoder.h"
 #include "codec/video/occupancy.h"
 #include "codec/video/video_frame.h"
@@ -31,6 +32,8 @@ namespace {
 
 /// How far depths of one surface may be apart in neighbouring pixels, in pixels.
 constexpr float kSameSurface = 4.0f;
+
+bool has_colors(const PointCloud& cloud) { return cloud.has_colors(); }
 
 /// The mean of what is known in the frames, and what continues it.
 class Background {
@@ -74,10 +77,7 @@ class GroupEncoder {
     group_.origin = corner;
     group_.pitch = options.pitch;
     group_.frames = static_cast<int>(clouds.size());
-    group_.colors =
-        options.colors && std::all_of(clouds.begin(), clouds.end(), [](const PointCloud& cloud) {
-          return cloud.empty() || cloud.has_colors();
-        });
+    group_.colors = options.colors && std::any_of(clouds.begin(), clouds.end(), has_colors);
   }
 
   Result<std::vector<Chunks<Bytes>>> encode() {
@@ -86,9 +86,11 @@ class GroupEncoder {
     for (Frame& frame : frames_) layers.push_back(std::move(frame.layers));
     place_patches(layers, options_.side, group_);
     if (group_.width > kLargestAtlas || group_.height > kLargestAtlas)
-      return fail(ErrorCode::limit, concat("the video needs pictures of ", group_.width, " x ",
-                                           group_.height, " pixels, more than ", kLargestAtlas,
-                                           " along a side; coarser pixels help"));
+      return fail(ErrorCode::limit,
+                  concat("the video needs pictures of ", group_.width, " x ", group_.height,
+                         " pixels, more than ", kLargestAtlas,
+                         " along a side: its frames lie too far apart; let fewer of them "
+                         "share a segment, or remove stray points"));
     for_each_frame([&](Frame& frame, std::size_t i) {
       frame.blocks = blocks_of(group_, layers[i], options_.side);
       frame.mask = pixel_mask(group_, *frame.blocks);
@@ -296,9 +298,17 @@ Result<std::vector<Chunks<Bytes>>> encode_video_group(std::span<const PointCloud
       !fits(options.color_quantizer, 0, 63) || !fits(options.preset, 0, 12) ||
       !(options.pitch > 0.0))
     return fail(ErrorCode::argument, "an option of the video is out of range");
-  for (const PointCloud& cloud : frames)
+  if (!is_codable({corner, options.pitch}))
+    return fail(ErrorCode::limit,
+                "the points lie too close together for video, or too far from the origin; multiply "
+                "their coordinates");
+  const bool colored = options.colors && std::any_of(frames.begin(), frames.end(), has_colors);
+  for (const PointCloud& cloud : frames) {
     if (cloud.normals.size() != cloud.size())
       return fail(ErrorCode::argument, "frames of video need normals");
+    if (colored && cloud.colors.size() != cloud.size())
+      return fail(ErrorCode::argument, "all frames of a group of video need colours, or none");
+  }
   return GroupEncoder(frames, corner, options).encode();
 }
 

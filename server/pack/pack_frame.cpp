@@ -89,6 +89,7 @@ Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const Pac
   const auto used = encode(frame, cloud, *grid, options, limits);
   if (!used) return fail_at(file, used.error());
   if (options.video) {
+    frame.name = file;
     frame.source = loaded;
     frame.grid = *grid;
     frame.max_error = 0.0;

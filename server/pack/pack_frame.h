@@ -30,7 +30,8 @@ struct PackedFrame {
   bool had_radii = false, had_scalars = false;
   bool unreadable = false;  ///< SourceFrame::unreadable
   CleanReport cleaning;
-  SegmentInput::Cloud source;       ///< with PackOptions::video: what it was encoded of
+  std::string name;                 ///< with PackOptions::video: of its file, for errors
+  SegmentInput::Cloud source;       ///< the same: what it was encoded of
   Grid grid;                        ///< the same: what with, without a limit to the octree's levels
   std::vector<std::string> unread;  ///< as LoadedCloud::unread
   std::vector<std::string> warnings;

@@ -3,13 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <string>
 
+#include <fmt/format.h>
 #include <tbb/task_arena.h>
 
 #include "codec/core/build.h"
+#include "codec/package/collapse.h"
+#include "codec/package/strays.h"
 #include "codec/surface/normals.h"
 #include "codec/video_encode/video_encoder.h"
 #include "common/base/for_each.h"
+#include "common/base/try.h"
 #include "pointreel/octree.h"
 
 namespace pointreel {
@@ -21,6 +27,9 @@ constexpr int kMostLevels = 11, kLeastSide = 16;
 constexpr double kMergedShare = 0.6;
 /// The edge of a pixel in spacings of cleaned points.
 constexpr double kSpacings = 1.25;
+/// What is fewer pixels long is not recognised; it is looked for in about so many points.
+constexpr double kFewPixels = 16.0;
+constexpr std::size_t kLooked = 4096;
 
 /// Quantisers that go together. QUALITY.md, "Video", gives rate and error of each pair.
 struct Quantizers {
@@ -67,9 +76,55 @@ int side_of(const PackedFrame& frame) {
   return 1 << kMostLevels;
 }
 
+/// Whether the middle half of some of the points is so few pixels long that it may have collapsed.
+bool may_collapse(const PointCloud& cloud, double pitch) {
+  const std::size_t step = std::max<std::size_t>(1, cloud.size() / kLooked);
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<float> values;
+    for (std::size_t i = 0; i < cloud.size(); i += step) values.push_back(cloud.positions[i][axis]);
+    std::sort(values.begin(), values.end());
+    const std::size_t quarter = values.size() / 4;
+    if (values[values.size() - 1 - quarter] - values[quarter] >= kFewPixels * pitch) return false;
+  }
+  return true;
+}
+
+/// Octrees are judged by collapse_of, but pixels have no more than kMostLevels.
+Result<void> judge_collapse(PackedFrame& frame, const VideoOptions& video, bool best_effort) {
+  const PointCloud& cloud = frame.source->cloud;
+  if (cloud.empty() || !may_collapse(cloud, video.pitch)) return {};
+  const int level = static_cast<int>(std::ceil(std::log2(video.side)));
+  EncodedFrame as_octree;
+  as_octree.depth = level;
+  as_octree.coded_points =
+      static_cast<std::uint32_t>(sort_points(cloud, frame.grid.cube, level).occupied.back());
+  const auto collapse = collapse_of(as_octree, cloud, frame.grid, frame.grid.encode, false);
+  if (!collapse) return {};
+  const std::string why = fmt::format(
+      "{}: its {} points collapse into pixels of {:.3g}, because {}", frame.name, cloud.size(),
+      video.pitch,
+      collapse->far_apart
+          ? "the frames of its segment lie too far apart: let fewer share a --segment"
+          : "some lie too far away, such as " + farthest_text(cloud) + ": remove these");
+  if (!best_effort)
+    return fail(ErrorCode::limit, why + ", or --best-effort to pack them nevertheless");
+  frame.warnings.push_back(why);
+  return {};
+}
+
+/// Colours that only some frames of a group have are completed by this grey.
+constexpr std::uint16_t kGrey = 0x8080;
+
+void complete_colors(std::vector<PointCloud>& clouds) {
+  const auto colored = [](const PointCloud& cloud) { return cloud.has_colors(); };
+  if (std::none_of(clouds.begin(), clouds.end(), colored)) return;
+  for (PointCloud& cloud : clouds)
+    if (!cloud.has_colors()) cloud.colors.assign(cloud.size(), glm::u16vec3(kGrey));
+}
+
 }  // namespace
 
-Result<std::vector<Chunks<Bytes>>> pack_group(std::span<const PackedFrame> frames,
+Result<std::vector<Chunks<Bytes>>> pack_group(std::span<PackedFrame> frames,
                                               const PackOptions& options) {
   VideoOptions video;
   const Cube& cube = frames.front().grid.cube;
@@ -80,12 +135,14 @@ Result<std::vector<Chunks<Bytes>>> pack_group(std::span<const PackedFrame> frame
   video.threads = tbb::this_task_arena::max_concurrency();
   video.executor = options.encode.executor;
   set_quantizers(options.video->quality, video);
+  for (PackedFrame& frame : frames) TRY(judge_collapse(frame, video, options.best_effort));
   std::vector<PointCloud> clouds(frames.size());
   for_each(options.encode.executor, static_cast<int>(frames.size()), [&](int i) {
     PointCloud& cloud = clouds[static_cast<std::size_t>(i)];
     cloud = frames[static_cast<std::size_t>(i)].source->cloud;
     cloud.has_normals() ? complete_normals(cloud) : estimate_normals(cloud);
   });
+  complete_colors(clouds);
   return encode_video_group(clouds, cube.origin, video);
 }
 

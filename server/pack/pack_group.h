@@ -10,8 +10,9 @@
 
 namespace pointreel {
 
-/// The chunks of layered depth video of some consecutive frames, which share a cube.
-Result<std::vector<Chunks<Bytes>>> pack_group(std::span<const PackedFrame> frames,
+/// The chunks of layered depth video of some consecutive frames, which share a cube. A frame that
+/// pixels of this cube cannot show is an error, or with PackOptions::best_effort a warning of it.
+Result<std::vector<Chunks<Bytes>>> pack_group(std::span<PackedFrame> frames,
                                               const PackOptions& options);
 
 }  // namespace pointreel

@@ -183,6 +183,12 @@ TEST(Video, options_out_of_range_and_clouds_without_normals_are_refused) {
   bare[0].normals.clear();
   EXPECT_EQ(encode_video_group(bare, kCorner, options()).error().code, ErrorCode::argument);
   EXPECT_EQ(encode_video_group({}, kCorner, options()).error().code, ErrorCode::argument);
+  std::vector<PointCloud> mixed{frames()[0], frames()[1]};
+  mixed[1].colors.clear();
+  EXPECT_EQ(encode_video_group(mixed, kCorner, options()).error().code, ErrorCode::argument);
+  VideoOptions tiny = options();
+  tiny.pitch = 1e-31;
+  EXPECT_EQ(encode_video_group(frames(), kCorner, tiny).error().code, ErrorCode::limit);
 }
 
 TEST(Video, points_that_no_view_holds_are_kept) {
@@ -204,6 +210,23 @@ TEST(Video, points_that_no_view_holds_are_kept) {
       nearest = std::min(nearest, glm::length(cloud.world(p) - wanted));
     EXPECT_LT(nearest, 2.0 * kPitch) << i;
   }
+}
+
+TEST(Video, a_frame_of_nothing_but_single_points_keeps_their_colours) {
+  std::vector<PointCloud> clouds(1);
+  clouds[0].origin = kCorner;
+  for (int i = 0; i < 10; ++i) {
+    clouds[0].positions.emplace_back(kPitch * glm::dvec3(4.5 + 11.0 * i, 3.5, 4.5));
+    clouds[0].normals.emplace_back(0.0f, -1.0f, 0.0f);
+    clouds[0].colors.emplace_back(257 * 200, 257 * 40, 257 * 30);
+  }
+  const auto chunks = encode_video_group(clouds, kCorner, options());
+  ASSERT_TRUE(chunks) << chunks.error().message;
+  VideoDecoder decoder;
+  const PointCloud cloud = points_of(decoder.next(view((*chunks)[0])).value()).value();
+  EXPECT_EQ(cloud.size(), 10u);
+  ASSERT_EQ(cloud.colors.size(), cloud.size());
+  for (const glm::u16vec3& color : cloud.colors) EXPECT_GT(color.x, color.y + 257 * 60);
 }
 
 TEST(Video, an_empty_frame_is_a_frame_without_points) {

@@ -158,6 +158,38 @@ TEST_F(Video, plays_and_damage_stays_in_its_group) {
   EXPECT_GT(play(path("damaged"))["errors"].get<int>(), 0);
 }
 
+TEST_F(Video, colours_that_some_frames_lack_are_kept_and_empty_frames_have_none) {
+  PointCloud plain = ball(1);
+  plain.colors.clear();
+  const PointCloud nothing;
+  for (const bool colored : {true, false}) {
+    const std::string in = colored ? "mixed" : "plain";
+    fs::create_directory(path(in));
+    ASSERT_TRUE(write_ply(path(in) + "/0.ply", colored ? ball(0) : plain));
+    ASSERT_TRUE(write_ply(path(in) + "/1.ply", colored ? plain : nothing));
+    const Outcome packed = server(
+        {"pack", "-i", path(in), "-o", path(in) + ".reel", "--codec", "video", "--effort", "0"});
+    ASSERT_EQ(packed.exit_code, 0) << packed.err;
+    EXPECT_EQ(server({"verify", path(in) + ".reel"}).exit_code, 0);
+    ASSERT_EQ(server({"unpack", "-i", path(in) + ".reel", "-o", path(in) + ".out"}).exit_code, 0);
+    EXPECT_EQ(unpacked(in + ".out", 0).has_colors(), colored);
+  }
+}
+
+TEST_F(Video, a_frame_that_collapses_is_an_error_or_a_warning) {
+  fs::create_directory(path("far"));
+  PointCloud far = ball(0);
+  far.positions[0] = glm::vec3(1e6f, 0.0f, 0.5f);
+  ASSERT_TRUE(write_ply(path("far") + "/0.ply", far));
+  std::vector<std::string> arguments{"pack",    "-i",    path("far"), "-o",  path("far") + ".reel",
+                                     "--codec", "video", "--clean",   "off", "--effort",
+                                     "0"};
+  const Outcome refused = server(arguments);
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("0.ply: its "));
+  EXPECT_THAT(refused.err, HasSubstr("points collapse into pixels"));
+}
+
 TEST_F(Video, options_that_do_not_go_together_are_refused) {
   for (const auto& [options, message] :
        std::vector<std::pair<std::vector<std::string>, std::string>>{

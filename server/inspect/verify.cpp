@@ -61,12 +61,16 @@ std::size_t layer_at_fault(const FrameDecoder& decoder, std::vector<Chunks<ByteV
   return layers.size() - 1;
 }
 
+/// How many cells of the octree below it video may move the edge of a surface.
+constexpr double kVideoCells = 4.0;
+
 /// Whether the points lie within the bounds, which are those of the source: coding moves a point by
-/// up to a cell.
-bool is_within(const Box& box, const PointCloud& cloud, const FrameHeader& header) {
+/// up to so many cells.
+bool is_within(const Box& box, const PointCloud& cloud, const FrameHeader& header,
+               double cells = 1.0) {
   const Box points = bounds(cloud);
   if (points.empty()) return true;
-  const double cell = std::ldexp(header.cube.edge, -header.depth);
+  const double cell = cells * std::ldexp(header.cube.edge, -header.depth);
   const glm::dvec3 reach = glm::max(glm::abs(points.min), glm::abs(points.max));
   const glm::dvec3 margin = cell + 1e-6 * reach;
   return !box.empty() && glm::all(glm::greaterThanEqual(points.min, box.min - margin)) &&
@@ -133,7 +137,7 @@ std::optional<Fault> fault_of(const PackageFiles& files, const Manifest& manifes
   if (!video) return std::nullopt;
   const Result<PointCloud> points = decoder.decode_video(files, manifest, frame);
   if (!points) return fault(*video, points.error());
-  if (!is_within(manifest.bounds, *points, parsed->header))
+  if (!is_within(manifest.bounds, *points, parsed->header, kVideoCells))
     return fault(*video, Error{"has points outside of the manifest's bounds"});
   return std::nullopt;
 }

@@ -27,6 +27,8 @@ namespace pointreel {
 namespace {
 
 constexpr std::size_t kMostSegmentBytes = std::size_t{512} << 20;
+/// Half of what manifests can tell, so that the last frame's end can be told, too: 142 years.
+constexpr std::uint64_t kLatest = std::uint64_t{1} << 52;
 
 Result<void> check(const WriteOptions& options) {
   if (!is_frame_rate(options.fps))
@@ -60,6 +62,10 @@ class PackageWriter::Impl {
                    const std::stop_token& stop) {
     TRY(usable());
     const std::uint64_t time = time_us.value_or(next_time());
+    if (time > kLatest)
+      return fail(
+          ErrorCode::argument,
+          fmt::format("frame {} is shown at {} us, later than packages tell", frames_, time));
     if (frames_ > 0 && time < last_time_)
       return fail(ErrorCode::argument,
                   fmt::format("frame {} is shown at {} us, before the frame that precedes it",

@@ -31,7 +31,9 @@ HttpFailure failure_of_status(long status, std::string_view answer);
 HttpFailure failure_of_store_redirect(long status, std::string_view answer);
 
 /// The failure that a CURLcode stands for. `came`: bytes of the body that came before.
-HttpFailure failure_of_transfer(int code, const HttpOptions& options, std::uint64_t came);
+/// `said`: libcurl's own words, or nothing.
+HttpFailure failure_of_transfer(int code, const HttpOptions& options, std::uint64_t came,
+                                std::string_view said);
 
 /// The one line in which a failure is reported: the address, what is wrong, and what to do.
 /// `attempts`: how many were made.

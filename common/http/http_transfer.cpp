@@ -96,6 +96,8 @@ CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
     curl_easy_setopt(handle_, option, value);
   };
   set(CURLOPT_PRIVATE, static_cast<void*>(this));
+  said_[0] = '\0';
+  set(CURLOPT_ERRORBUFFER, said_.data());
   // A signature is for one host, and goes to no other.
   set(CURLOPT_FOLLOWLOCATION, access_ ? 0L : 1L);
   set(CURLOPT_MAXREDIRS, 4L);
@@ -265,7 +267,7 @@ std::optional<HttpFailure> HttpTransfer::finish(int code) {
         fmt::format("asked for bytes {} of {}, but the server sends \"{}\": the package has "
                     "changed, or the server is at fault",
                     range_, wanted_.total, content_range_));
-  if (code != CURLE_OK) return failure_of_transfer(code, options_, body_.size());
+  if (code != CURLE_OK) return failure_of_transfer(code, options_, body_.size(), said_.data());
   if (answered == 304 && !wanted_.tag.empty()) {
     unchanged_ = true;
     return std::nullopt;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -101,8 +102,9 @@ class HttpTransfer {
   Bytes body_;
   // What follows is about the attempt.
   std::string range_, content_range_, tag_;
-  std::string refusal_;  ///< the beginning of the body, if it is not kept
-  Redirect redirect_;    ///< the newest
+  std::string refusal_;           ///< the beginning of the body, if it is not kept
+  Redirect redirect_;             ///< the newest
+  std::array<char, 256> said_{};  ///< libcurl's words for what went wrong: CURL_ERROR_SIZE
   Time begun_{};
   std::optional<Time> newest_byte_;
   Pace pace_{kLeastRate};

@@ -189,7 +189,10 @@ class ObjectStore::Request {
   std::optional<HttpFailure> perform(const AwsAccess& access) {
     headers_ = sign(handle, headers_, access);
     set(CURLOPT_HTTPHEADER, headers_);
+    std::array<char, CURL_ERROR_SIZE> said{};
+    set(CURLOPT_ERRORBUFFER, said.data());
     const CURLcode code = curl_easy_perform(handle);
+    set(CURLOPT_ERRORBUFFER, static_cast<char*>(nullptr));
     if (options_.stop.stop_requested()) return HttpFailure{Kind::final, cancelled()};
     const long status = status_of(handle);
     if (status >= 400) return failure_of_status(status, body);
@@ -205,7 +208,7 @@ class ObjectStore::Request {
     if (code == CURLE_OPERATION_TIMEDOUT && connected > 0)
       return http_failure(Kind::passing, fmt::format("nothing moved for {} s", kPatience),
                           "check the link");
-    if (code != CURLE_OK) return failure_of_transfer(code, options_, body.size());
+    if (code != CURLE_OK) return failure_of_transfer(code, options_, body.size(), said.data());
     if (status < 200)
       return http_failure(Kind::doubtful, fmt::format("the store answers {}", status));
     return std::nullopt;

@@ -21,7 +21,11 @@ class HttpsSource : public testing::Test {
  protected:
   void SetUp() override {
     write_package(folder_ / "walk", patterned(1000), patterned(5000));
+    serve("127.0.0.1");
+  }
+  void serve(const std::string& host) {
     HttpServerOptions options;
+    options.listen.host = host;
     options.listen.port = 0;
     options.certificate = certificate_.certificate;
     options.key = certificate_.key;
@@ -32,7 +36,7 @@ class HttpsSource : public testing::Test {
     ASSERT_TRUE(server) << server.error().message;
     server_ = *std::move(server);
   }
-  std::string url() const { return fmt::format("https://127.0.0.1:{}/walk", server_->port()); }
+  std::string url() const { return fmt::format("https://{}/walk", to_string(server_->address())); }
   std::string error(const SourceOptions& options) const {
     const auto source = open_source(url(), options);
     return source ? "none" : source.error().message;
@@ -59,6 +63,13 @@ TEST_F(HttpsSource, refuses_an_untrusted_certificate) {
   SourceOptions options;
   options.token = "open-sesame";
   EXPECT_THAT(error(options), HasSubstr("--ca-file"));
+}
+
+TEST_F(HttpsSource, says_that_a_certificate_was_made_for_another_name) {
+  serve("127.0.0.2");
+  SourceOptions options;
+  options.ca_file = certificate_.certificate;
+  EXPECT_THAT(error(options), HasSubstr("use a name that it was made for"));
 }
 
 TEST_F(HttpsSource, reports_that_a_file_contains_no_certificates) {

@@ -128,8 +128,10 @@ class VideoDecoder::Group {
     if (next_ == info_->frames) return fail("the video's group has more frames than it says");
     ++next_;
     if (colors.empty()) colors_.reset();
+    // Before the others: g++ does not destroy the members of what TRY returns from the middle of.
+    BlockMask blocks = TRY(occupancy_.decode(parts.occupancy));
     VideoPictures pictures{info_,
-                           TRY(occupancy_.decode(parts.occupancy)),
+                           std::move(blocks),
                            {},
                            {},
                            Bytes(parts.leftovers.begin(), parts.leftovers.end())};

@@ -114,7 +114,9 @@ class GroupEncoder {
         colors = encode_colors();
       }
     });
-    return payloads(depth, TRY(std::move(colors)), TRY(std::move(left)));
+    if (!colors) return tl::unexpected(colors.error());
+    if (!left) return tl::unexpected(left.error());
+    return payloads(depth, *std::move(colors), *std::move(left));
   }
 
  private:

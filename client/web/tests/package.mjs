@@ -15,14 +15,14 @@ const { folder, site, server } = installed;
 writeFileSync(join(folder, "empty.html"), "<!doctype html>");
 const library = await serveFiles(folder);
 const browser = await openBrowser();
-const open = (path) => openTab(browser, site.origin + path);
+const open = (path, options = {}) => openTab(browser, site.origin + path, options);
 
 const noted = ["emptied", "loadstart", "durationchange", "loadedmetadata", "loadeddata", "canplay", "play", "playing", "pause",
                "seeking", "seeked", "ended", "error"];
 
 /** A page with one player, whose events are kept. */
-async function openOne(origin = site.origin) {
-  const { tab, close } = await open("/empty.html");
+async function openOne(origin = site.origin, options = {}) {
+  const { tab, close } = await open("/empty.html", options);
   await tab.evaluate(async ([script, noted, src]) => {
     await import(script);
     window.player = document.createElement("pointreel-player");
@@ -116,14 +116,14 @@ test("attributes say from where a reel is seen, and on what", async () => {
   await close();
 });
 
-test("a server that does not let the page read a reel is named", async () => {
+test("a server that does not let the page read a reel is named", async (t) => {
   const refusing = await serveReels(process.argv[3], [process.argv[4]], "https://elsewhere.example");
-  const { tab, close } = await openOne();
+  t.after(() => refusing.close());
+  const { tab, close } = await openOne(site.origin, { requestsFail: true });
   await tab.evaluate(`player.src = ${JSON.stringify(`${refusing.origin}/${basename(process.argv[4])}`)}`);
   await until(tab, "player.error", "it fails");
   assert.match(await tab.evaluate("player.error.message"), /does not let this page read; .* --allow-origin http:/);
   await close();
-  refusing.close();
 });
 
 test("programs in TypeScript know its interface", () => {

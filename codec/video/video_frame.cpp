@@ -130,11 +130,8 @@ class VideoDecoder::Group {
     if (colors.empty()) colors_.reset();
     // Before the others: g++ does not destroy the members of what TRY returns from the middle of.
     BlockMask blocks = TRY(occupancy_.decode(parts.occupancy));
-    VideoPictures pictures{info_,
-                           std::move(blocks),
-                           {},
-                           {},
-                           Bytes(parts.leftovers.begin(), parts.leftovers.end())};
+    VideoPictures pictures{
+        info_, std::move(blocks), {}, {}, Bytes(parts.leftovers.begin(), parts.leftovers.end())};
     // The two videos at the same time.
     Result<Av1Picture> depth, color;
     for_each(executor, colors_ ? 2 : 1, [&](int i) {

@@ -5,9 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <exception>
 #include <map>
-#include <new>
 #include <string>
 #include <vector>
 
@@ -18,9 +16,8 @@
 
 #include "common/base/words.h"
 #include "common/command_line/command.h"
-#include "common/process/memory.h"
 #include "common/process/print.h"
-#include "common/process/standard_output.h"
+#include "common/process/run_main.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/write_hard.h"
 #include "datasets_synthetic/write_sequence.h"
@@ -300,14 +297,7 @@ int parse_and_run(int argc, char** argv) {
 }  // namespace pointreel
 
 int main(int argc, char** argv) {
-  pointreel::keep_freed_memory();
-  int exit_code = 1;
-  try {
-    exit_code = pointreel::parse_and_run(argc, argv);
-  } catch (const std::bad_alloc&) {
-    pointreel::print_error("pointreel-synth", "not enough memory; try --threads 1 or fewer points");
-  } catch (const std::exception& error) {
-    pointreel::print_error("pointreel-synth", error.what());
-  }
-  return pointreel::finish_output("pointreel-synth", exit_code);
+  return pointreel::run_main(
+      "pointreel-synth", [&] { return pointreel::parse_and_run(argc, argv); },
+      "not enough memory; try --threads 1 or fewer points");
 }

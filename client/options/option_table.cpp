@@ -100,8 +100,7 @@ std::vector<Option> make_table() {
        "Colour", "Its own colours; or false ones that show its shape"},
       {"lighting", flag([](auto& s) -> auto& { return s.draw.lighting; }),
        "Light the scene from over the viewer's shoulder (the default), weakly where it has "
-       "colours, "
-       "which have light in them already; or show the colours as they are",
+       "colours, which have light in them already; or show the colours as they are",
        "Lighting", "A light over your shoulder"},
       {"light", choice([](auto& s) -> auto& { return s.draw.light; }),
        "What lights the scene: flat, which is --lighting; studio, lamps that turn with the view "

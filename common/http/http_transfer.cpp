@@ -96,6 +96,7 @@ CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
     curl_easy_setopt(handle_, option, value);
   };
   set(CURLOPT_PRIVATE, static_cast<void*>(this));
+  static_assert(sizeof(said_) >= CURL_ERROR_SIZE);
   said_[0] = '\0';
   set(CURLOPT_ERRORBUFFER, said_.data());
   // A signature is for one host, and goes to no other.

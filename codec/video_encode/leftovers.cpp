@@ -5,7 +5,7 @@
 #include <numeric>
 #include <unordered_map>
 
-#include "common/base/for_each.h"
+#include "codec/video_encode/filter_points.h"
 
 namespace pointreel {
 namespace {
@@ -20,23 +20,14 @@ constexpr double kMissing = 0.001;
 std::vector<std::uint32_t> farther(const DecodedPoints& decoded, const SurfacePoints& source,
                                    const std::vector<std::uint32_t>& of, int distance,
                                    const Executor& executor) {
-  constexpr std::size_t kShare = 1u << 15;
-  std::vector<std::vector<std::uint32_t>> left((of.size() + kShare - 1) / kShare);
-  for_each(executor, static_cast<int>(left.size()), [&](int share) {
-    const auto s = static_cast<std::size_t>(share);
-    for (std::size_t k = s * kShare; k < std::min(of.size(), (s + 1) * kShare); ++k) {
-      const std::uint32_t i = of[k];
-      // First in the view that the point faces, where it is most likely to be.
-      const std::size_t best = faced_most(source.normals[i]);
-      bool near = decoded.has_near(best, source.places[i], distance);
-      for (std::size_t v = 0; v < kViews && !near; ++v)
-        near = v != best && decoded.has_near(v, source.places[i], distance);
-      if (!near) left[s].push_back(i);
-    }
+  return filter_points(of, executor, [&](std::uint32_t i) {
+    // First in the view that the point faces, where it is most likely to be.
+    const std::size_t best = faced_most(source.normals[i]);
+    bool near = decoded.has_near(best, source.places[i], distance);
+    for (std::size_t v = 0; v < kViews && !near; ++v)
+      near = v != best && decoded.has_near(v, source.places[i], distance);
+    return !near;
   });
-  std::vector<std::uint32_t> all;
-  for (const auto& part : left) all.insert(all.end(), part.begin(), part.end());
-  return all;
 }
 
 /// Points that are kept, in cells of kNear pixels.

@@ -8,6 +8,7 @@
 #include <optional>
 #include <tuple>
 
+#include "codec/video_encode/filter_points.h"
 #include "common/base/for_each.h"
 
 namespace pointreel {
@@ -275,23 +276,14 @@ std::vector<std::uint32_t> uncovered(const SurfacePoints& points,
                                      const std::vector<std::uint32_t>& of,
                                      const std::vector<std::uint8_t>& labels,
                                      const ViewLayers& layers, const Executor& executor) {
-  constexpr std::size_t kShare = 1u << 15;
-  std::vector<std::vector<std::uint32_t>> left((of.size() + kShare - 1) / kShare);
-  for_each(executor, static_cast<int>(left.size()), [&](int share) {
-    const auto s = static_cast<std::size_t>(share);
-    for (std::size_t k = s * kShare; k < std::min(of.size(), (s + 1) * kShare); ++k) {
-      const std::uint32_t i = of[k];
-      const auto near = [&](std::size_t v) {
-        return is_near(points.places[i], kViewAxes[v], layers[v], points.side);
-      };
-      bool found = near(labels[i]);
-      for (std::size_t v = 0; v < kViews && !found; ++v) found = v != labels[i] && near(v);
-      if (!found) left[s].push_back(i);
-    }
+  return filter_points(of, executor, [&](std::uint32_t i) {
+    const auto near = [&](std::size_t v) {
+      return is_near(points.places[i], kViewAxes[v], layers[v], points.side);
+    };
+    bool found = near(labels[i]);
+    for (std::size_t v = 0; v < kViews && !found; ++v) found = v != labels[i] && near(v);
+    return !found;
   });
-  std::vector<std::uint32_t> all;
-  for (const auto& part : left) all.insert(all.end(), part.begin(), part.end());
-  return all;
 }
 
 /// The points of a view, in the order of their pixels and then of their depth.

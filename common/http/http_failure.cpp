@@ -7,6 +7,7 @@
 
 #include "common/base/words.h"
 #include "common/http/store_error.h"
+#include "common/net/untrusted.h"
 #include "common/net/url.h"
 
 namespace pointreel {
@@ -60,14 +61,6 @@ const char* explain(long status) {
   }
 }
 
-/// `said`: why it was not accepted, in libcurl's words.
-const char* advice_for_certificate(std::string_view said) {
-  const auto has = [said](std::string_view part) { return said.find(part) != said.npos; };
-  if (has("expired") || has("not yet valid")) return "renew it, or set the clock right";
-  if (has("host name") || has("subject name")) return "use a name that it was made for";
-  return "give its authority with --ca-file";
-}
-
 }  // namespace
 
 HttpFailure http_failure(Kind kind, std::string what, std::string advice) {
@@ -117,9 +110,10 @@ HttpFailure failure_of_transfer(int code, const HttpOptions& options, std::uint6
     case CURLE_RECV_ERROR:
     case CURLE_SEND_ERROR:
       return because(fmt::format("the connection broke after {}", counted(came, "byte")));
-    case CURLE_PEER_FAILED_VERIFICATION:
-      return because(fmt::format("the server's certificate is not trusted ({})", said),
-                     advice_for_certificate(said));
+    case CURLE_PEER_FAILED_VERIFICATION: {
+      auto [what, advice] = untrusted(said);
+      return because(std::move(what), std::move(advice));
+    }
     case CURLE_SSL_CACERT_BADFILE:
       return because(fmt::format("{}: holds no certificates in PEM form", options.ca_file));
     case CURLE_TOO_MANY_REDIRECTS:

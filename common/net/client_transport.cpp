@@ -1,9 +1,9 @@
 #include "common/net/client_transport.h"
 
-#include <boost/asio/ssl/host_name_verification.hpp>
 #include <boost/beast/ssl/ssl_stream.hpp>
 #include <boost/beast/websocket/ssl.hpp>
 #include <boost/beast/websocket/teardown.hpp>
+#include <openssl/x509v3.h>
 
 namespace pointreel {
 namespace {
@@ -27,9 +27,21 @@ class TransportOn : public ClientTransport {
     if constexpr (std::same_as<Stream, SecureSocket>) {
       ::SSL_set_tlsext_host_name(stream_.native_handle(), host.c_str());
       stream_.set_verify_mode(asio::ssl::verify_peer);
-      stream_.set_verify_callback(asio::ssl::host_name_verification(host));
+      if (::X509_VERIFY_PARAM_set1_ip_asc(::SSL_get0_param(stream_.native_handle()),
+                                          host.c_str()) != 1) {
+        ::SSL_set_hostflags(stream_.native_handle(), X509_CHECK_FLAG_NO_PARTIAL_WILDCARDS);
+        ::SSL_set1_host(stream_.native_handle(), host.c_str());
+      }
       stream_.async_handshake(asio::ssl::stream_base::client, std::move(done));
     }
+  }
+
+  std::string distrust() override {
+    if constexpr (std::same_as<Stream, SecureSocket>) {
+      const long result = ::SSL_get_verify_result(stream_.native_handle());
+      if (result != X509_V_OK) return ::X509_verify_cert_error_string(result);
+    }
+    return {};
   }
 
   void read_some(const Pieces<asio::mutable_buffer>& into, Completion done) override {

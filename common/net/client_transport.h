@@ -29,6 +29,8 @@ class ClientTransport {
   /// The handshake of TLS with a server whose certificate must be for `host`. Plain transports do
   /// nothing and call nobody.
   virtual void handshake(const std::string& host, Completion done) = 0;
+  /// Why the handshake did not trust the server's certificate, in OpenSSL's words; empty if it did.
+  virtual std::string distrust() = 0;
   virtual void read_some(const Pieces<boost::asio::mutable_buffer>& into, Completion done) = 0;
   virtual void write_some(const Pieces<boost::asio::const_buffer>& from, Completion done) = 0;
   virtual void tear_down(boost::beast::role_type role, Completion done) = 0;

@@ -24,6 +24,7 @@
 #include "common/base/try.h"
 #include "common/net/client_transport.h"
 #include "common/net/lookup.h"
+#include "common/net/untrusted.h"
 
 namespace pointreel {
 namespace {
@@ -96,6 +97,10 @@ class Connection : public WebSocket {
     if (url.tls()) {
       error = run_until(
           deadline, [&](const auto& done) { transport().handshake(url.host, Completion(done)); });
+      if (const std::string said = transport().distrust(); error && !said.empty()) {
+        const auto [what, advice] = untrusted(said);
+        return failed(what + "; " + advice);
+      }
       if (error) return failed("TLS: " + error.message());
     }
 

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "client/source/open_source.h"
+#include "common/net/websocket.h"
 #include "server/serve/http_server.h"
 #include "tests/certificate.h"
 #include "tests/served_package.h"
@@ -41,6 +42,13 @@ class HttpsSource : public testing::Test {
     const auto source = open_source(url(), options);
     return source ? "none" : source.error().message;
   }
+  std::string live_error(const std::string& ca_file) const {
+    WebSocketOptions options;
+    options.ca_file = ca_file;
+    const auto socket = WebSocket::connect(
+        fmt::format("wss://{}/live/walk", to_string(server_->address())), options);
+    return socket ? "none" : socket.error().message;
+  }
 
   TemporaryFolder folder_;
   TestCertificate certificate_{folder_.path()};
@@ -57,12 +65,14 @@ TEST_F(HttpsSource, fetches_from_a_server_with_a_given_certificate) {
   ASSERT_TRUE(frame) << frame.error().message;
   EXPECT_EQ(frame->layers[0].bytes.size(), 1000u);
   EXPECT_EQ(frame->layers[1].bytes.size(), 5000u);
+  EXPECT_THAT(live_error(certificate_.certificate), testing::Not(HasSubstr("certificate")));
 }
 
 TEST_F(HttpsSource, refuses_an_untrusted_certificate) {
   SourceOptions options;
   options.token = "open-sesame";
   EXPECT_THAT(error(options), HasSubstr("--ca-file"));
+  EXPECT_THAT(live_error({}), HasSubstr("--ca-file"));
 }
 
 TEST_F(HttpsSource, says_that_a_certificate_was_made_for_another_name) {
@@ -70,6 +80,7 @@ TEST_F(HttpsSource, says_that_a_certificate_was_made_for_another_name) {
   SourceOptions options;
   options.ca_file = certificate_.certificate;
   EXPECT_THAT(error(options), HasSubstr("use a name that it was made for"));
+  EXPECT_THAT(live_error(certificate_.certificate), HasSubstr("use a name that it was made for"));
 }
 
 TEST_F(HttpsSource, reports_that_a_file_contains_no_certificates) {

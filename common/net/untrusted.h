@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace pointreel {
+
+/// An error's words for a server whose certificate is not trusted.
+struct Untrusted {
+  std::string what;
+  std::string advice;  ///< what to do
+};
+
+/// `said`: why, in the words of OpenSSL or libcurl.
+Untrusted untrusted(std::string_view said);
+
+}  // namespace pointreel

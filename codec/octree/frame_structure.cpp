@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kMostNodeWeight = std::uint32_t{1} << 26;
 
 /// Numbers are read and written in fours and eights.
-constexpr std::size_t kRoom = 8;
+constexpr std::size_t kSpareNumbers = 8;
 
 /// A plane that is not larger than this may always be used, and one that has no more cells for each
 /// node of its level.
@@ -93,7 +93,7 @@ FrameStructure::FrameStructure(const Svo& svo, std::vector<int> layer_ends, Leve
       branching_by_z_(levels_.size()) {
   const std::size_t count = svo.internal_count();
   for (Numbers* numbers : {&weights_, &branching_, &nodes_, &at_}) {
-    *numbers = std::make_unique_for_overwrite<std::uint32_t[]>(count + kRoom);
+    *numbers = std::make_unique_for_overwrite<std::uint32_t[]>(count + kSpareNumbers);
   }
   if (count == 0) return;
   find_weights();

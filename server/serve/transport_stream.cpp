@@ -50,7 +50,6 @@ struct Operation {
   }
 
   void encrypted_step() {
-    using Want = TlsSession::Step::Want;
     Socket& socket = transport->socket();
     // Once the socket is closed, the descriptor that TLS holds may belong to another connection.
     if (!socket.is_open()) return finish(asio::error::operation_aborted);
@@ -65,8 +64,8 @@ struct Operation {
       break;
     }
     moved = step.bytes;
-    if (step.want == Want::kEnd) return finish(asio::error::eof);
-    if (step.want == Want::kNothing) {
+    if (step.want == TlsSession::Step::Want::kEnd) return finish(asio::error::eof);
+    if (step.want == TlsSession::Step::Want::kNothing) {
       if (at == At::kWaiting) return complete({}, moved);
       at = At::kPosted;  // handlers must not be called from within the initiating function
       const Strand strand = transport->executor();  // `transport` moves with the operation
@@ -74,8 +73,9 @@ struct Operation {
       return;
     }
     at = At::kWaiting;
-    socket.async_wait(step.want == Want::kRead ? Socket::wait_read : Socket::wait_write,
-                      std::move(*this));
+    socket.async_wait(
+        step.want == TlsSession::Step::Want::kRead ? Socket::wait_read : Socket::wait_write,
+        std::move(*this));
   }
 
   void finish(error_code error) {

@@ -150,7 +150,7 @@ void derive_normals(SceneFrame& scene, const PrepareOptions& options) {
   if (!draws_normals(options.mode, cloud.has_colors(), options.show_normals)) {
     cloud.normals.clear();
   } else if (!cloud.has_normals()) {
-    estimate_normals(cloud);
+    estimate_normals(cloud, tbb_executor());
     scene.normals_estimated = true;
   }
 }
@@ -162,7 +162,7 @@ void derive_node_normals(SceneFrame& scene, const PrepareOptions& options) {
     attributes.normals.clear();
   } else if (attributes.normals.empty()) {
     PointCloud leaves = leaf_centers(scene.svo);
-    estimate_normals(leaves);
+    estimate_normals(leaves, tbb_executor());
     attributes.normals = mean_normal_lines(scene.svo, leaves, tbb_executor());
     scene.normals_estimated = true;
   }

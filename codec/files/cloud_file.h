@@ -44,7 +44,8 @@ Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits = {},
 
 /// The cloud as read_cloud returns it: sanitized, with what was repaired, and without what says
 /// nothing.
-LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format, ReadNotes notes = {});
+LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format, ReadNotes notes = {},
+                         const Executor& executor = {});
 
 /// Reads a file. Its format is recognised by its first bytes, or else by its name. The error begins
 /// with the path.

@@ -92,7 +92,7 @@ void drop_constant_fields(LoadedCloud& loaded) {
 
 /// Normals without a direction are estimated. Where all are, the cloud has none: whoever needs some
 /// estimates them for the points that are left by then.
-void estimate_unknown_normals(LoadedCloud& loaded) {
+void estimate_unknown_normals(LoadedCloud& loaded, const Executor& executor) {
   std::vector<glm::vec3>& normals = loaded.cloud.normals;
   const auto unknown =
       static_cast<std::size_t>(std::count(normals.begin(), normals.end(), glm::vec3(0.0f)));
@@ -101,12 +101,13 @@ void estimate_unknown_normals(LoadedCloud& loaded) {
   loaded.warnings.push_back(
       concat(count(unknown, "point"), unknown == 1 ? " has" : " have",
              " no usable normal: ", all ? "normals are taken to be missing" : "it is estimated"));
-  all ? normals.clear() : complete_normals(loaded.cloud);
+  all ? normals.clear() : complete_normals(loaded.cloud, executor);
 }
 
 }  // namespace
 
-LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format, ReadNotes notes) {
+LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format, ReadNotes notes,
+                         const Executor& executor) {
   LoadedCloud loaded;
   loaded.cloud = std::move(cloud);
   loaded.warnings = std::move(notes.warnings);
@@ -119,7 +120,7 @@ LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format, ReadNotes notes) 
                " without a finite position (NaN, infinite, or too large for a float)"));
   }
   leave_out_far_zeros(loaded);
-  estimate_unknown_normals(loaded);
+  estimate_unknown_normals(loaded, executor);
   if (report.unknown_radii > 0) {
     loaded.warnings.push_back(
         concat("replaced ", count(report.unknown_radii, "unusable radius value")));

@@ -54,7 +54,7 @@ std::vector<float> spacings_of(const PointCloud& cloud) {
 
 Result<TriangleMesh> make_mesh(PointCloud cloud, const MeshOptions& options,
                                const Executor& executor) {
-  complete_normals(cloud);
+  complete_normals(cloud, executor);
   keep_points(cloud, [&](std::size_t i) { return cloud.normals[i] != glm::vec3(0.0f); });
   if (cloud.size() < 3) return TriangleMesh{};
   const std::vector<float> spacings = spacings_of(cloud);

@@ -19,11 +19,13 @@ int choose_level(const SortedPoints& sorted, double points_per_cell, int limit) 
   return level;
 }
 
-SortedIntoCells sort_into_cells(const PointCloud& cloud, double points_per_cell) {
+SortedIntoCells sort_into_cells(const PointCloud& cloud, double points_per_cell,
+                                const Executor& executor) {
   const Cube tight = bounding_cube(bounds(cloud));
   // Few levels are faster to sort, and usually tell most points apart.
-  SortedPoints sorted = sort_points(cloud, tight, 12);
-  if (sorted.occupied.back() < cloud.size() / 2) sorted = sort_points(cloud, tight);
+  SortedPoints sorted = sort_points(cloud, tight, 12, executor);
+  if (sorted.occupied.back() < cloud.size() / 2)
+    sorted = sort_points(cloud, tight, kMaxDepth, executor);
   int level = choose_level(sorted, points_per_cell, sorted.levels - 1);
   // Cells of this level may be up to twice as large as they should be. Enlarging the cube by the
   // right factor gives those of the next level the right size.
@@ -34,7 +36,8 @@ SortedIntoCells sort_into_cells(const PointCloud& cloud, double points_per_cell)
   Cube cube = tight;
   cube.edge *= factor;
   cube.origin -= 0.5 * (cube.edge - tight.edge);
-  return {sort_points(cloud, cube, std::min(level + kDuplicateLevels, kMaxDepth)), level};
+  const int levels = std::min(level + kDuplicateLevels, kMaxDepth);
+  return {sort_points(cloud, cube, levels, executor), level};
 }
 
 }  // namespace pointreel

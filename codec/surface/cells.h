@@ -2,6 +2,7 @@
 
 #include "codec/core/build.h"
 #include "pointreel/cloud.h"
+#include "pointreel/executor.h"
 
 namespace pointreel {
 
@@ -13,7 +14,8 @@ struct SortedIntoCells {
 
 /// Sorts the points of a cloud into cells that hold `points_per_cell` distinct points on average. A
 /// cell and its 26 neighbours then hold about twelve times as many.
-SortedIntoCells sort_into_cells(const PointCloud& cloud, double points_per_cell);
+SortedIntoCells sort_into_cells(const PointCloud& cloud, double points_per_cell,
+                                const Executor& executor = {});
 
 /// The finest level, at most `limit`, whose cells contain at least that many distinct points on
 /// average.

@@ -230,8 +230,8 @@ CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor
   if (cloud.size() < kLeastPoints || !has_usable_scale(cloud)) return report;
   if (!cloud.has_normals() && !options.without_normals) return report;
   const std::vector<glm::vec3> given_normals = cloud.normals;
-  complete_normals(cloud);
-  PointSurface surface(cloud);
+  complete_normals(cloud, executor);
+  PointSurface surface(cloud, executor);
   const std::vector<Measured> measured = measure(surface, executor);
   report.spacing = median_of(measured, &Measured::spacing);
   report.noise = median_of(measured, &Measured::noise);

@@ -14,6 +14,7 @@
 #include "codec/surface/cell_neighbors.h"
 #include "codec/surface/cells.h"
 #include "codec/surface/openness.h"
+#include "common/base/blocks.h"
 #include "common/base/median.h"
 #include "pointreel/octree.h"
 
@@ -30,6 +31,8 @@ constexpr int kMaxCoarser = 3;
 /// The number of points in a cell of the openness grid: enough that no cell of a surface is empty
 /// by chance.
 constexpr double kPointsPerOpenCell = 6.0;
+/// Fewer cells are not worth a block of their own.
+constexpr std::size_t kCellsPerBlock = 2048;
 
 /// Sums over points p: their number, p, and the upper triangle of p p^T.
 struct Moments {
@@ -131,10 +134,11 @@ float finite_radius(double radius) {
 
 class SurfaceEstimate {
  public:
-  explicit SurfaceEstimate(const PointCloud& cloud) : cloud_(cloud) {
-    SortedIntoCells cells = sort_into_cells(cloud, kPointsPerNormalCell);
+  SurfaceEstimate(const PointCloud& cloud, const Executor& executor)
+      : cloud_(cloud), executor_(executor) {
+    SortedIntoCells cells = sort_into_cells(cloud, kPointsPerNormalCell, executor_);
     sorted_ = std::move(cells.sorted);
-    svo_ = build_svo(sorted_, cells.level);
+    svo_ = build_svo(sorted_, cells.level, executor_);
     blocks_ = node_blocks(svo_);
     list_neighbors();
     sum_moments();
@@ -147,18 +151,18 @@ class SurfaceEstimate {
     const Openness openness(svo_, level);
     const float step = static_cast<float>(openness.cell_size());
     std::vector<float> votes(cells_.size());
-    for (std::size_t i = 0; i < cells_.size(); ++i) votes[i] = vote(openness, step, cells_[i]);
+    for_each_cell([&](std::size_t i) { votes[i] = vote(openness, step, cells_[i]); });
     // Each cell takes over the votes of its neighbours, so that single wrong votes are outvoted.
     std::vector<float> before;
     for (int round = 0; round < 2; ++round) {
       before = votes;
-      for (std::size_t i = 0; i < cells_.size(); ++i) {
+      for_each_cell([&](std::size_t i) {
         float sum = 0.0f;
         for (const std::uint32_t k : neighbors(i)) {
           sum += before[k] * glm::dot(cells_[i].normal, cells_[k].normal);
         }
         votes[i] = sum;
-      }
+      });
     }
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       if (votes[i] < 0.0f) cells_[i].normal = -cells_[i].normal;
@@ -176,8 +180,8 @@ class SurfaceEstimate {
     struct Group {
       Lanes x{}, y{}, z{}, nx{}, ny{}, nz{};
     };
-    std::array<Group, 7> around;
-    for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
+    for_each_cell([&](std::size_t cell) {
+      std::array<Group, 7> around;
       const glm::vec3 own = cells_[cell].normal;
       std::size_t count = 0;
       for (const std::uint32_t k : neighbors(cell)) {
@@ -218,7 +222,7 @@ class SurfaceEstimate {
         const float length = glm::length(sum);
         normals[sorted_.points[i].index] = length > 0.0f ? sum / length : glm::vec3(0.0f);
       }
-    }
+    });
   }
 
   void write_radii(std::vector<float>& radii) const {
@@ -281,8 +285,8 @@ class SurfaceEstimate {
   void fit_cells() {
     const std::uint32_t leaves = svo_.level_begin[static_cast<std::size_t>(svo_.depth)];
     cells_.resize(svo_.leaf_count());
-    for (std::uint32_t i = 0; i < cells_.size(); ++i) {
-      std::uint32_t node = leaves + i;
+    for_each_cell([&](std::size_t i) {
+      std::uint32_t node = leaves + static_cast<std::uint32_t>(i);
       Plane plane;
       Moments sums;
       for (int coarser = 0; coarser <= kMaxCoarser; ++coarser) {
@@ -302,7 +306,7 @@ class SurfaceEstimate {
         node = parents_[node];
       }
       cells_[i] = {glm::vec3(plane.center), glm::vec3(plane.normal), spacing(plane, sums.n)};
-    }
+    });
   }
 
   /// The edge of a square that contains one point, in a patch of n points with these variances. A
@@ -327,6 +331,15 @@ class SurfaceEstimate {
     return sum;
   }
 
+  /// Calls body(cell) for each leaf, possibly in parallel.
+  template <class Body>
+  void for_each_cell(const Body& body) const {
+    for_each_block(executor_, Blocks(executor_, cells_.size(), kCellsPerBlock),
+                   [&](std::size_t, std::size_t begin, std::size_t end) {
+                     for (std::size_t cell = begin; cell < end; ++cell) body(cell);
+                   });
+  }
+
   /// The leaves around a leaf, including itself.
   std::span<const std::uint32_t> neighbors(std::size_t cell) const {
     return {neighbors_.data() + neighbor_begin_[cell],
@@ -343,6 +356,7 @@ class SurfaceEstimate {
   }
 
   const PointCloud& cloud_;
+  const Executor& executor_;
   SortedPoints sorted_;
   Svo svo_;
   std::vector<glm::vec3> positions_;  ///< sorted, relative to the cube's centre
@@ -357,10 +371,10 @@ class SurfaceEstimate {
 
 }  // namespace
 
-void estimate_normals(PointCloud& cloud) {
+void estimate_normals(PointCloud& cloud, const Executor& executor) {
   cloud.normals.clear();
   if (cloud.empty()) return;
-  SurfaceEstimate estimate(cloud);
+  SurfaceEstimate estimate(cloud, executor);
   estimate.orient();
   estimate.write_normals(cloud.normals);
 }
@@ -369,29 +383,29 @@ void estimate_unknown_radii(PointCloud& cloud) {
   if (std::find(cloud.radii.begin(), cloud.radii.end(), 0.0f) == cloud.radii.end()) return;
   const float largest = *std::max_element(cloud.radii.begin(), cloud.radii.end());
   std::vector<float> estimate;
-  SurfaceEstimate(cloud).write_radii(estimate);
+  SurfaceEstimate(cloud, {}).write_radii(estimate);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (cloud.radii[i] == 0.0f) cloud.radii[i] = std::min(estimate[i], largest);
   }
 }
 
-void estimate_normals_and_radii(PointCloud& cloud) {
+void estimate_normals_and_radii(PointCloud& cloud, const Executor& executor) {
   cloud.normals.clear();
   cloud.radii.clear();
   if (cloud.empty()) return;
-  SurfaceEstimate estimate(cloud);
+  SurfaceEstimate estimate(cloud, executor);
   estimate.write_radii(cloud.radii);
   estimate.orient();
   estimate.write_normals(cloud.normals);
 }
 
-void complete_normals(PointCloud& cloud) {
+void complete_normals(PointCloud& cloud, const Executor& executor) {
   const auto lacks = [](const glm::vec3& normal) { return normal == glm::vec3(0.0f); };
   if (!cloud.has_normals()) {
-    estimate_normals(cloud);
+    estimate_normals(cloud, executor);
   } else if (std::ranges::any_of(cloud.normals, lacks)) {
     std::vector<glm::vec3> given = std::move(cloud.normals);
-    estimate_normals(cloud);
+    estimate_normals(cloud, executor);
     for (std::size_t i = 0; i < given.size(); ++i) {
       if (!lacks(given[i])) cloud.normals[i] = given[i];
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pointreel/cloud.h"
+#include "pointreel/executor.h"
 
 namespace pointreel {
 
@@ -18,18 +19,19 @@ namespace pointreel {
 /// on a torus of radii 1 and 0.3; all normals point outward. A cell and its neighbours are about
 /// five spacings wide, and thinner detail is smoothed.
 ///
-/// The cloud's positions are finite (`sanitize`). The result does not depend on their order. O(n).
-void estimate_normals(PointCloud& cloud);
+/// The cloud's positions are finite (`sanitize`). The result depends neither on
+/// their order nor on the executor. O(n).
+void estimate_normals(PointCloud& cloud, const Executor& executor = {});
 
 /// The same, and estimates a radius for every point from the spacing of the points around it, which
 /// takes little more time. The radius is the edge of a square of the surface that contains one
 /// point, so that discs of this radius overlap about threefold. It is finite and above 0.
 /// Duplicates count once.
-void estimate_normals_and_radii(PointCloud& cloud);
+void estimate_normals_and_radii(PointCloud& cloud, const Executor& executor = {});
 
 /// Estimates the normals of points that have none, as `estimate_normals` does, and keeps the
 /// others.
-void complete_normals(PointCloud& cloud);
+void complete_normals(PointCloud& cloud, const Executor& executor = {});
 
 /// Estimates the radius of every point whose radius is zero, which is how `sanitize` marks unusable
 /// ones. No estimate exceeds the largest radius of the cloud. Does nothing if the cloud has no

@@ -177,11 +177,11 @@ struct PointSurface::RowPlaces {
   }
 };
 
-PointSurface::PointSurface(const PointCloud& cloud) {
+PointSurface::PointSurface(const PointCloud& cloud, const Executor& executor) {
   if (cloud.empty()) return;
-  SortedIntoCells cells = sort_into_cells(cloud, kPointsPerCell);
+  SortedIntoCells cells = sort_into_cells(cloud, kPointsPerCell, executor);
   sorted_ = std::move(cells.sorted);
-  svo_ = build_svo(sorted_, level_for_details(sorted_, cells.level));
+  svo_ = build_svo(sorted_, level_for_details(sorted_, cells.level), executor);
   blocks_ = node_blocks(svo_);
   offset_ = cloud.origin - svo_.cube.origin - 0.5 * svo_.cube.edge;
   points_.reserve(cloud.size());

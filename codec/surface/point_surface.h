@@ -62,7 +62,7 @@ struct SurfacePatch {
 class PointSurface {
  public:
   /// The cloud's positions are finite, and it has normals. The surface does not refer to it.
-  explicit PointSurface(const PointCloud& cloud);
+  explicit PointSurface(const PointCloud& cloud, const Executor& executor = {});
 
   /// The number of the cloud's point that is the i-th in Morton order.
   std::span<const KeyIndex> order() const { return sorted_.points; }

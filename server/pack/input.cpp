@@ -48,8 +48,8 @@ Result<SourceFrame> SegmentInput::read(std::size_t frame) const {
 
 Result<SourceFrame> SegmentInput::read_readable(std::size_t frame) const {
   SourceFrame source;
-  static_cast<LoadedCloud&>(source) =
-      TRY(read_cloud_frame(frames_[frame], {.max_memory = options_.max_memory}));
+  static_cast<LoadedCloud&>(source) = TRY(read_cloud_frame(
+      frames_[frame], {.max_memory = options_.max_memory, .executor = options_.encode.executor}));
   if (const std::vector<std::size_t> strays = find_strays(source.cloud); !strays.empty()) {
     const std::string text = strays_text(source.cloud, strays, source.left_out == 0);
     if (options_.best_effort) {

@@ -140,7 +140,7 @@ Result<std::vector<Chunks<Bytes>>> pack_group(std::span<PackedFrame> frames,
   for_each(options.encode.executor, static_cast<int>(frames.size()), [&](int i) {
     PointCloud& cloud = clouds[static_cast<std::size_t>(i)];
     cloud = frames[static_cast<std::size_t>(i)].source->cloud;
-    cloud.has_normals() ? complete_normals(cloud) : estimate_normals(cloud);
+    complete_normals(cloud, options.encode.executor);
   });
   complete_colors(clouds);
   return encode_video_group(clouds, cube.origin, video);

@@ -38,15 +38,26 @@ if(POINTREEL_FUZZ)
   target_link_options(pointreel_flags INTERFACE LINKER:--gc-sections,-z,start-stop-gc)
 endif()
 
-# pointreel_room(NAME SOURCES... [USES LIBRARY...] [PRIVATE LIBRARY...])
+# Release builds compile what has no loops over points or bytes with less optimisation, which
+# takes three quarters of the time.
+function(pointreel_compile_cold target)
+  if(CMAKE_BUILD_TYPE STREQUAL "Release")
+    target_compile_options(${target} PRIVATE -O1)
+  endif()
+endfunction()
+
+# pointreel_room(NAME [COLD] SOURCES... [USES LIBRARY...] [PRIVATE LIBRARY...])
 #
-# Makes a static library. If tests are built, all of its objects are also linked to a program with
+# Makes a static library. COLD: as pointreel_compile_cold. If tests are built, all of its objects are also linked to a program with
 # the rooms that it declares and nothing else, which fails if it uses a room that it does not declare.
 function(pointreel_room name)
-  cmake_parse_arguments(PARSE_ARGV 1 room "" "" "SOURCES;USES;PRIVATE")
+  cmake_parse_arguments(PARSE_ARGV 1 room "COLD" "" "SOURCES;USES;PRIVATE")
   add_library(${name} STATIC ${room_SOURCES})
   target_link_libraries(${name} PUBLIC ${room_USES}
     PRIVATE ${room_PRIVATE} $<BUILD_INTERFACE:pointreel_flags>)
+  if(room_COLD)
+    pointreel_compile_cold(${name})
+  endif()
   if(POINTREEL_BUILD_TESTS)
     add_executable(${name}_floor ${PROJECT_SOURCE_DIR}/common/cmake/floor.cpp)
     target_link_libraries(${name}_floor PRIVATE pointreel_flags

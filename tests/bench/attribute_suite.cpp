@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "codec/core/build.h"
+#include "codec/distance/distance.h"
 #include "codec/octree/attribute_coder.h"
 #include "codec/octree/color_space.h"
 #include "codec/octree/normal_space.h"
@@ -14,7 +15,6 @@
 #include "datasets_synthetic/voxelize.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/suites.h"
-#include "tests/distance/distance.h"
 
 namespace pointreel::bench {
 namespace {

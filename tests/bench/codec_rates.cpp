@@ -9,6 +9,7 @@
 #include <tbb/parallel_for.h>
 
 #include "codec/core/lattice.h"
+#include "codec/distance/distance.h"
 #include "codec/draco/part_sizes.h"
 #include "codec/files/cloud_file.h"
 #include "common/base/try.h"
@@ -17,7 +18,6 @@
 #include "tests/bench/measure.h"
 #include "tests/bench/peak_memory.h"
 #include "tests/bench/report/datasets.h"
-#include "tests/distance/distance.h"
 
 namespace pointreel::bench {
 namespace {

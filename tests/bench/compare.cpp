@@ -9,12 +9,12 @@
 
 #include <fmt/format.h>
 
+#include "codec/distance/distance.h"
 #include "codec/files/cloud_file.h"
 #include "common/base/try.h"
 #include "common/command_line/command.h"
 #include "common/process/print.h"
 #include "tests/bench/output.h"
-#include "tests/distance/distance.h"
 
 namespace pointreel::bench {
 namespace {

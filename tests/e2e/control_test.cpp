@@ -13,9 +13,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "codec/distance/distance.h"
 #include "codec/files/cloud_file.h"
 #include "codec/files/ply.h"
-#include "tests/distance/distance.h"
 #include "tests/e2e/process.h"
 #include "tests/temporary_folder.h"
 

@@ -11,10 +11,10 @@
 #include <nlohmann/json.hpp>
 
 #include "codec/core/build.h"
+#include "codec/distance/distance.h"
 #include "codec/files/cloud_file.h"
 #include "codec/files/ply.h"
 #include "pointreel/octree.h"
-#include "tests/distance/distance.h"
 #include "tests/e2e/picture.h"
 #include "tests/e2e/process.h"
 #include "tests/e2e/server_address.h"

@@ -13,10 +13,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "codec/distance/distance.h"
 #include "codec/files/ply.h"
 #include "codec/package/manifest.h"
 #include "pointreel/package.h"
-#include "tests/distance/distance.h"
 #include "tests/e2e/picture.h"
 #include "tests/e2e/process.h"
 #include "tests/read_file.h"

@@ -10,9 +10,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "codec/distance/distance.h"
 #include "codec/files/cloud_file.h"
 #include "codec/package/manifest.h"
-#include "tests/distance/distance.h"
 #include "tests/packed_clouds.h"
 
 namespace pointreel::inspect_test {

@@ -6,13 +6,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "codec/distance/distance.h"
 #include "codec/files/cloud_file.h"
 #include "codec/package/manifest.h"
 #include "codec/package/max_error.h"
 #include "pointreel/draco.h"
 #include "server/inspect/inspect.h"
 #include "server/pack/packer.h"
-#include "tests/distance/distance.h"
 #include "tests/packed_clouds.h"
 
 namespace pointreel::pack_control_test {

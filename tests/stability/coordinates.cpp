@@ -3,12 +3,12 @@
 
 #include <fmt/format.h>
 
+#include "codec/distance/distance.h"
 #include "codec/files/cloud_file.h"
 #include "common/base/try.h"
 #include "datasets_synthetic/hard_case.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
-#include "tests/distance/distance.h"
 #include "tests/stability/check.h"
 #include "tests/stability/clouds.h"
 

@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "codec/distance/distance.h"
 #include "codec/surface/normals.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/sequences.h"
@@ -14,7 +15,6 @@
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
 #include "pointreel/package.h"
-#include "tests/distance/distance.h"
 #include "tests/stability/check.h"
 #include "tests/stability/clouds.h"
 

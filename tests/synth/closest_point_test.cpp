@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
+#include "codec/distance/nearest.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/random.h"
 #include "datasets_synthetic/samplers/uniform.h"
-#include "tests/distance/nearest.h"
 
 namespace pointreel::closest_point_test {
 namespace {

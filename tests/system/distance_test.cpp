@@ -1,4 +1,4 @@
-#include "tests/distance/distance.h"
+#include "codec/distance/distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
-#include "tests/distance/nearest.h"
+#include "codec/distance/nearest.h"
 
 namespace pointreel::distance_test {
 namespace {

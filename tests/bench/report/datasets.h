@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
+#include "codec/distance/distance.h"
 #include "datasets_synthetic/motion.h"
 #include "datasets_synthetic/sequences.h"
 #include "pointreel/cloud.h"
 #include "pointreel/error.h"
-#include "tests/distance/distance.h"
 
 namespace pointreel::bench {
 

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "codec/core/build.h"
+#include "codec/distance/distance.h"
 #include "codec/draco/part_sizes.h"
 #include "codec/octree/octree_codec.h"
 #include "common/base/try.h"
@@ -18,7 +19,6 @@
 #include "pointreel/draco.h"
 #include "pointreel/octree.h"
 #include "tests/bench/measure.h"
-#include "tests/distance/distance.h"
 
 namespace pointreel::bench {
 namespace {

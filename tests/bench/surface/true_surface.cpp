@@ -8,7 +8,7 @@
 #include <glm/glm.hpp>
 #include <tbb/parallel_for.h>
 
-#include "tests/distance/nearest.h"
+#include "codec/distance/nearest.h"
 
 namespace pointreel::bench {
 namespace {

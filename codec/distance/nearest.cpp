@@ -1,4 +1,4 @@
-#include "tests/distance/nearest.h"
+#include "codec/distance/nearest.h"
 
 #include <algorithm>
 #include <cmath>

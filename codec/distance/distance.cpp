@@ -1,4 +1,4 @@
-#include "tests/distance/distance.h"
+#include "codec/distance/distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 
-#include "tests/distance/nearest.h"
+#include "codec/distance/nearest.h"
 
 namespace pointreel {
 namespace {

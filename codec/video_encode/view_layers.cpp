@@ -139,8 +139,8 @@ class OneView {
     };
     const int side = points_.side;
     for (std::uint32_t n = 0; n < pixels.size(); ++n) {
-      for (std::uint32_t i = begin[n] + 1; i < begin[n + 1]; ++i)
-        for (std::uint32_t j = begin[n]; j < i; ++j) join(j, i);
+      // Neighbours in depth are enough: what lies between them hangs together with either.
+      for (std::uint32_t i = begin[n] + 1; i < begin[n + 1]; ++i) join(i - 1, i);
       const int x = static_cast<int>(pixels[n]) % side, y = static_cast<int>(pixels[n]) / side;
       constexpr int kRight[] = {1, 0, 1, -1}, kDown[] = {0, 1, 1, 1};
       for (int k = 0; k < 4; ++k) {
@@ -148,8 +148,12 @@ class OneView {
         const std::uint32_t other =
             number_[pixels[n] + static_cast<std::size_t>(kDown[k] * side + kRight[k])];
         if (other == kNowhere) continue;
-        for (std::uint32_t i = begin[n]; i < begin[n + 1]; ++i)
-          for (std::uint32_t j = begin[other]; j < begin[other + 1]; ++j) join(i, j);
+        std::uint32_t j = begin[other];
+        for (std::uint32_t i = begin[n]; i < begin[n + 1]; ++i) {
+          while (j < begin[other + 1] && depth_of(order[j]) < depth_of(order[i])) ++j;
+          if (j < begin[other + 1]) join(i, j);
+          if (j > begin[other]) join(i, j - 1);
+        }
       }
     }
     for (const std::uint32_t pixel : pixels) number_[pixel] = kNowhere;

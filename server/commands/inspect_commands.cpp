@@ -310,7 +310,7 @@ void add_unpack_command(cli::Command app, int& exit_code) {
     std::uint64_t frame_memory = 0;
     std::uint32_t layers = 0;
     bool force = false;
-    bool mesh = false, animation = false;
+    bool mesh = false, animation = false, voxels = false;
     std::optional<double> cell;
     std::optional<std::size_t> triangles;
     std::string format = "ply";
@@ -341,6 +341,8 @@ void add_unpack_command(cli::Command app, int& exit_code) {
   unpack
       .add_option("--format", a->format,
                   "of points: ply, pcd, las, npz (numpy) or mcap (one ROS 2 recording of all "
+  unpack.add_flag("--voxels", a->voxels,
+                  "of video: write the voxels that the surface crosses, instead of its points");
                   "frames); of meshes: ply, obj or glb, which is binary glTF")
       .check(cli::one_of({"ply", "pcd", "las", "npz", "mcap", "obj", "glb"}))
       .capture_default_str();
@@ -373,6 +375,7 @@ void add_unpack_command(cli::Command app, int& exit_code) {
     const auto mesh_format = mesh_format_of(a->format);
     const auto points_format = points_format_of(a->format);
     options.recording = a->format == "mcap";
+    options.voxels = a->voxels;
     if (a->mesh ? !mesh_format : !points_format && !options.recording) {
       print_error(a->mesh ? fmt::format("--format {}: holds points; leave out --mesh", a->format)
                           : fmt::format("--format {}: holds meshes; add --mesh", a->format));

@@ -80,6 +80,7 @@ struct UnpackOptions {
   PointsFormat format = PointsFormat::ply;  ///< of files of points
   bool recording = false;                   ///< write one recording instead, `recording.mcap`
   std::optional<UnpackMesh> mesh = {};      ///< write meshes instead of points
+  bool voxels = false;                      ///< of video: write surface_voxels instead of points
   std::uint64_t max_memory = kFrameMemory;  ///< DecodeLimits::max_memory
 };
 

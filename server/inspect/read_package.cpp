@@ -9,6 +9,7 @@
 
 #include "codec/octree/frame_header.h"
 #include "codec/package/max_error.h"
+#include "codec/video/surface_voxels.h"
 #include "codec/video/video_frame.h"
 #include "common/base/try.h"
 #include "common/file_system/open_file.h"
@@ -82,7 +83,7 @@ Result<DecodedFrame> FrameDecoder::decode(const std::vector<Chunks<ByteView>>& l
 }
 
 Result<PointCloud> FrameDecoder::decode_video(const PackageFiles& files, const Manifest& manifest,
-                                              std::uint32_t frame) const {
+                                              std::uint32_t frame, bool voxels) const {
   const std::uint32_t begin = frame - locate(manifest, frame).index % manifest.group_frames;
   DecodeLimits limits;
   limits.max_memory = max_memory_;
@@ -96,7 +97,8 @@ Result<PointCloud> FrameDecoder::decode_video(const PackageFiles& files, const M
         TRY(place.decoder.next({chunks.geometry, chunks.colors, {}}, limits));
     if (i < frame) continue;
     place.next = frame + 1;
-    return points_of(pictures, limits);
+    PointCloud points = TRY(points_of(pictures, limits));
+    return voxels ? surface_voxels(points, pictures.group->pitch, limits.executor) : points;
   }
 }
 

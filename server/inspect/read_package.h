@@ -44,9 +44,9 @@ class FrameDecoder {
   Result<DecodedFrame> decode(const std::vector<Chunks<ByteView>>& layers) const;
   /// The points of a frame of video, for which those before it in its group are decoded, too,
   /// unless this thread has done so for the last one that it asked for. The error does not name the
-  /// file.
+  /// file. `voxels`: instead of points, their surface_voxels.
   Result<PointCloud> decode_video(const PackageFiles& files, const Manifest& manifest,
-                                  std::uint32_t frame) const;
+                                  std::uint32_t frame, bool voxels = false) const;
 
  private:
   /// What a thread goes on with.

@@ -103,6 +103,12 @@ class Unpacking {
                               options_.input.shown(), counted(frames, "frame"),
                               counted(manifest_.layer_names.size(), "layer")));
     }
+    if (options_.voxels && (manifest_.group_frames == 0 || options_.layers < 2)) {
+      return fail(ErrorCode::argument,
+                  fmt::format("{}: --voxels is for all layers of video; the points of other "
+                              "packages are voxels already",
+                              options_.input.shown()));
+    }
     return {};
   }
 
@@ -119,7 +125,7 @@ class Unpacking {
 
   Result<PointCloud> decode(std::uint32_t frame) const {
     if (manifest_.group_frames > 0 && options_.layers > 1) {
-      auto cloud = decoder_.decode_video(options_.input, manifest_, frame);
+      auto cloud = decoder_.decode_video(options_.input, manifest_, frame, options_.voxels);
       return cloud ? std::move(cloud) : fail_at(place(frame), cloud.error());
     }
     const auto layers = TRY(read_frame(options_.input, manifest_, frame, options_.layers));

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -9,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "codec/video/occupancy.h"
+#include "codec/video/surface_voxels.h"
 #include "codec/video/video_frame.h"
 #include "codec/video/video_group.h"
 #include "codec/video_encode/video_encoder.h"
@@ -116,6 +119,61 @@ TEST(Video, leaves_no_part_of_the_surface_out) {
   mark(frames()[0], wanted);
   mark(cloud, seen);
   EXPECT_EQ(seen, wanted);
+}
+
+/// The voxels that the points of a cloud are in.
+std::set<std::array<int, 3>> voxels_of(const PointCloud& cloud) {
+  std::set<std::array<int, 3>> voxels;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::ivec3 cell(glm::floor((cloud.world(i) - kCorner) / kPitch));
+    voxels.insert({cell.x, cell.y, cell.z});
+  }
+  return voxels;
+}
+
+TEST(Video, encodes_many_points_at_one_place_in_time_that_grows_with_them) {
+  PointCloud cloud = sphere({60.0, 64.0, 62.0}, 20.0);
+  const std::size_t surface = cloud.size();
+  cloud.positions.resize(surface + 300'000, glm::vec3(0.2f, 0.3f, 0.4f));
+  cloud.normals.resize(cloud.positions.size(), glm::vec3(1.0f, 0.0f, 0.0f));
+  cloud.colors.resize(cloud.positions.size());
+  const auto chunks = encode_video_group({&cloud, 1}, kCorner, options());
+  ASSERT_TRUE(chunks) << chunks.error().message;
+  VideoDecoder decoder;
+  EXPECT_GT(points_of(decoder.next(view(chunks->front())).value())->size(), surface / 3);
+}
+
+TEST(SurfaceVoxels, are_those_of_the_source_again) {
+  VideoDecoder decoder;
+  const PointCloud points = points_of(decoder.next(view(encoded()[0])).value()).value();
+  const PointCloud voxels = surface_voxels(points, kPitch);
+  const auto wanted = voxels_of(frames()[0]), found = voxels_of(voxels);
+  EXPECT_EQ(found.size(), voxels.size()) << "each once";
+  std::size_t common = 0;
+  for (const auto& voxel : wanted) common += found.contains(voxel) ? 1 : 0;
+  EXPECT_GT(common, wanted.size() * 8 / 10);
+  EXPECT_GT(common, found.size() * 8 / 10);
+  std::size_t red = 0;
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    EXPECT_NEAR(glm::length(voxels.normals[i]), 1.0f, 1e-3f);
+    const double up = (voxels.world(i).y - kCorner.y) / kPitch - 64.0;
+    red += (voxels.colors[i].x > 257 * 130) == (up > 0.0) ? 1 : 0;
+  }
+  EXPECT_GE(red, voxels.size() * 97 / 100);
+}
+
+TEST(SurfaceVoxels, stay_within_what_cells_can_count) {
+  PointCloud cloud;
+  cloud.origin = kCorner;
+  cloud.positions = {
+      {0.5f, 0.5f, 0.5f}, {-0.5f, 0.5f, 0.5f}, {3e38f, 0.0f, 0.0f}, {0.5f, 0.5f, 0.5f}};
+  EXPECT_EQ(surface_voxels(cloud, 1.0).size(), 2u) << "neither far away nor twice";
+  cloud.normals = {{0.0f, 0.0f, 1.0f}, {0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f}};
+  const PointCloud voxels = surface_voxels(cloud, 1.0);
+  ASSERT_EQ(voxels.size(), 2u);
+  EXPECT_EQ(voxels.positions[0], cloud.positions[1]) << "in the order of Morton keys";
+  EXPECT_EQ(voxels.normals[1], glm::vec3(0.0f)) << "opposite normals have no mean";
+  EXPECT_TRUE(surface_voxels(PointCloud(), 1.0).empty());
 }
 
 TEST(Video, is_smaller_from_frame_to_frame) {

@@ -138,6 +138,17 @@ Result<LiveManifest> parse_live(const JsonValue& object) {
   return live;
 }
 
+Result<CodingError> parse_coding_error(const JsonValue& object) {
+  Fields fields(object);
+  CodingError error;
+  error.frames = static_cast<std::uint32_t>(fields.integer("frames", kMaxUint32));
+  error.d1 = fields.number("d1");
+  if (fields.has("d2")) error.d2 = fields.number("d2");
+  if (fields.has("luma")) error.luma = fields.number("luma");
+  TRY(fields.check());
+  return error;
+}
+
 Result<Cleaning> parse_cleaning(const JsonValue& object) {
   Fields fields(object);
   Cleaning cleaning;
@@ -182,6 +193,10 @@ Result<Manifest> parse_root(const JsonValue& root) {
   manifest.bounds = TRY(at_place("bounds", parse_box(*bounds)));
   if (fields.has("captured_us")) manifest.captured_us = fields.integer("captured_us", kMaxInteger);
   if (fields.has("max_error")) manifest.max_error = fields.number("max_error");
+  if (fields.has("coding_error")) {
+    manifest.coding_error =
+        TRY(at_place("coding_error", parse_coding_error(*fields.value("coding_error"))));
+  }
   if (fields.has("cleaning")) {
     manifest.cleaning = TRY(at_place("cleaning", parse_cleaning(*fields.value("cleaning"))));
   }

@@ -181,15 +181,24 @@ Result<void> check_chunks(const ReelHead& head, std::size_t layer,
   return {};
 }
 
-Result<void> check_cleaning(const Cleaning& cleaning) {
-  if (cleaning.removed > kMaxInteger) return fail("removed_points: is above 2^53 - 1");
-  for (const auto& [name, length] : {std::pair("spacing", cleaning.spacing),
-                                     {"noise", cleaning.noise},
-                                     {"radius", cleaning.radius}}) {
-    if (!(length >= 0.0 && std::isfinite(length)))
+Result<void> check_not_negative(std::initializer_list<std::pair<const char*, double>> members) {
+  for (const auto& [name, value] : members) {
+    if (!(value >= 0.0 && std::isfinite(value)))
       return fail(concat(name, ": is not a finite number from 0 on"));
   }
   return {};
+}
+
+Result<void> check_cleaning(const Cleaning& cleaning) {
+  if (cleaning.removed > kMaxInteger) return fail("removed_points: is above 2^53 - 1");
+  return check_not_negative(
+      {{"spacing", cleaning.spacing}, {"noise", cleaning.noise}, {"radius", cleaning.radius}});
+}
+
+Result<void> check_coding_error(const CodingError& error) {
+  if (error.frames == 0) return fail("frames: is 0");
+  return check_not_negative(
+      {{"d1", error.d1}, {"d2", error.d2.value_or(0.0)}, {"luma", error.luma.value_or(0.0)}});
 }
 
 Result<void> check_manifest(const Manifest& manifest) {
@@ -198,9 +207,9 @@ Result<void> check_manifest(const Manifest& manifest) {
   if (manifest.depth_max > kMaxDepth) return fail(concat("depth_max: is above ", kMaxDepth));
   if (manifest.depth_min > manifest.depth_max) return fail("depth_min: is above depth_max");
   TRY(at_place("bounds", check_box(manifest.bounds)));
-  if (manifest.max_error && !(*manifest.max_error >= 0.0 && std::isfinite(*manifest.max_error))) {
-    return fail("max_error: is not a finite number from 0 on");
-  }
+  TRY(check_not_negative({{"max_error", manifest.max_error.value_or(0.0)}}));
+  if (manifest.coding_error)
+    TRY(at_place("coding_error", check_coding_error(*manifest.coding_error)));
   if (manifest.cleaning) TRY(at_place("cleaning", check_cleaning(*manifest.cleaning)));
   std::set<std::string_view> paths;
   if (manifest.tables) {

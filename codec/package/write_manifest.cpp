@@ -73,6 +73,12 @@ ordered_json head_json(const Manifest& manifest) {
   if (manifest.group_frames > 0) head["group_frames"] = manifest.group_frames;
   head["bounds"] = box_json(manifest.bounds);
   if (manifest.max_error) head["max_error"] = *manifest.max_error;
+  if (const auto& error = manifest.coding_error) {
+    nlohmann::ordered_json& json =
+        head["coding_error"] = {{"frames", error->frames}, {"d1", error->d1}};
+    if (error->d2) json["d2"] = *error->d2;
+    if (error->luma) json["luma"] = *error->luma;
+  }
   if (const auto& cleaning = manifest.cleaning) {
     head["cleaning"] = {{"frames", cleaning->frames},
                         {"removed_points", cleaning->removed},

@@ -25,6 +25,7 @@
 #include "server/commands/store_options.h"
 #include "server/inspect/inspect.h"
 #include "server/pack/cleaning.h"
+#include "server/pack/coding_error.h"
 #include "server/pack/frame_numbers.h"
 
 namespace pointreel {
@@ -99,6 +100,8 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
           {"depth", {{"min", manifest.depth_min}, {"max", manifest.depth_max}}},
           {"bounds", bounds},
           {"max_error", error},
+          {"coding_error", coding_error_json(manifest.coding_error,
+                                             manifest.coding_error ? peak_of(manifest) : 0.0)},
           {"cleaning", cleaning_json(manifest.cleaning.value_or(Cleaning{}))},
           {"bytes", totals.bytes},
           {"layers", layers},
@@ -146,6 +149,8 @@ void print_info(const Manifest& manifest, const Totals& totals) {
   if (totals.max_error) {
     print("  error   at most {}, in the source's units\n", number_text(*totals.max_error, 4));
   }
+  if (manifest.coding_error)
+    print("  compared {}\n", coding_error_text(*manifest.coding_error, peak_of(manifest)));
   if (manifest.cleaning) print("  cleaned {}\n", cleaning_text(*manifest.cleaning));
   print("  bytes   {}", totals.bytes);
   if (seconds > 0.0) print(", {:.2f} Mbit/s", static_cast<double>(totals.bytes) * 8e-6 / seconds);
@@ -336,13 +341,13 @@ void add_unpack_command(cli::Command app, int& exit_code) {
       .type_name("A-B");
   add_frame_memory_option(unpack, a->frame_memory);
   add_store_options(unpack, a->http);
+  unpack.add_flag("--voxels", a->voxels,
+                  "of video: write the voxels that the surface crosses, instead of its points");
   const cli::Option mesh = unpack.add_flag(
       "--mesh", a->mesh, "make a surface of triangles from the points of each frame");
   unpack
       .add_option("--format", a->format,
                   "of points: ply, pcd, las, npz (numpy) or mcap (one ROS 2 recording of all "
-  unpack.add_flag("--voxels", a->voxels,
-                  "of video: write the voxels that the surface crosses, instead of its points");
                   "frames); of meshes: ply, obj or glb, which is binary glTF")
       .check(cli::one_of({"ply", "pcd", "las", "npz", "mcap", "obj", "glb"}))
       .capture_default_str();
@@ -370,12 +375,12 @@ void add_unpack_command(cli::Command app, int& exit_code) {
     UnpackOptions options;
     options.output = a->output;
     options.force = a->force;
+    options.voxels = a->voxels;
     options.max_memory = a->frame_memory << 20;
     if (layers.count() > 0) options.layers = a->layers;
     const auto mesh_format = mesh_format_of(a->format);
     const auto points_format = points_format_of(a->format);
     options.recording = a->format == "mcap";
-    options.voxels = a->voxels;
     if (a->mesh ? !mesh_format : !points_format && !options.recording) {
       print_error(a->mesh ? fmt::format("--format {}: holds points; leave out --mesh", a->format)
                           : fmt::format("--format {}: holds meshes; add --mesh", a->format));

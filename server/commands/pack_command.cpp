@@ -21,6 +21,7 @@
 #include "server/commands/report_upload.h"
 #include "server/commands/store_options.h"
 #include "server/pack/cleaning.h"
+#include "server/pack/coding_error.h"
 #include "server/pack/packer.h"
 #include "server/store/upload.h"
 
@@ -94,6 +95,7 @@ ordered_json to_json(const PackSummary& summary) {
   if (!summary.video) json["max_error"] = summary.max_error;
   json["late_frames"] = summary.late_frames;
   json["read_as"] = summary.guesses;
+  json["coding_error"] = coding_error_json(summary.coding_error, summary.peak);
   json["missing"] = {{"frames", summary.unreadable_frames}, {"parts", summary.lost_parts}};
   json["segments"] = ordered_json::array();
   for (const SegmentSummary& segment : summary.segments) {
@@ -157,6 +159,8 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
     print("  cleaning        none: {}\n", why_not_cleaned(*options.clean));
   } else if (options.clean) {
     print("  cleaning        {}\n", cleaning_text(summary.cleaning));
+  if (summary.coding_error)
+    print("  compared        {}\n", coding_error_text(*summary.coding_error, summary.peak));
   }
   if (summary.recorded_fps) {
     print("  time            as recorded, {} frames per second by the median (--fps: evenly)\n",

@@ -102,6 +102,8 @@ Manifest keep(const Manifest& manifest, const Cut& cut) {
     for (std::uint64_t& time : segment.times_us) time = std::max(time, cut.begin_us) - cut.begin_us;
   }
   share(kept.cleaning, kept.frame_count(), manifest.frame_count());
+  // It may be that of frames that are left out.
+  if (kept.frame_count() != manifest.frame_count()) kept.coding_error.reset();
   return kept;
 }
 

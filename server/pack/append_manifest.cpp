@@ -7,6 +7,7 @@
 
 #include "codec/core/scalar_fields.h"
 #include "server/pack/cleaning.h"
+#include "server/pack/coding_error.h"
 
 namespace pointreel {
 namespace {
@@ -57,6 +58,7 @@ Result<void> append_manifest(Manifest& whole, Manifest part) {
   whole.normals |= part.normals;
   cover(whole.scalars, part.scalars);
   whole.partial |= part.partial;
+  if (part.coding_error) add_coding_error(whole.coding_error, *part.coding_error);
   if (part.cleaning) {
     if (!whole.cleaning) whole.cleaning.emplace();
     add_cleaning(*whole.cleaning, *part.cleaning);

@@ -68,7 +68,7 @@ Result<void> judge_collapse(PackedFrame& frame, const std::string& file, const P
 }  // namespace
 
 Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const PackOptions& options,
-                               FrameLimits& limits) {
+                               FrameLimits& limits, bool keep_source) {
   const SegmentInput::Cloud loaded = TRY(input.take(index));
   const PointCloud& cloud = loaded->cloud;
   const std::string file = input.name(index);
@@ -88,9 +88,9 @@ Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t index, const Pac
   if (!grid) return fail_at(file, grid.error());
   const auto used = encode(frame, cloud, *grid, options, limits);
   if (!used) return fail_at(file, used.error());
+  if (keep_source || options.video) frame.source = loaded;
   if (options.video) {
     frame.name = file;
-    frame.source = loaded;
     frame.grid = *grid;
     frame.max_error = 0.0;
   } else if (!options.voxel) {

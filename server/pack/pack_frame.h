@@ -30,9 +30,9 @@ struct PackedFrame {
   bool had_radii = false, had_scalars = false;
   bool unreadable = false;  ///< SourceFrame::unreadable
   CleanReport cleaning;
-  std::string name;                 ///< with PackOptions::video: of its file, for errors
-  SegmentInput::Cloud source;       ///< the same: what it was encoded of
-  Grid grid;                        ///< the same: what with, without a limit to the octree's levels
+  SegmentInput::Cloud source;       ///< of video, and of frames that are compared with it
+  std::string name;                 ///< of video: its file, for errors
+  Grid grid;                        ///< of video, without a limit to the octree's levels
   std::vector<std::string> unread;  ///< as LoadedCloud::unread
   std::vector<std::string> warnings;
 };
@@ -76,8 +76,9 @@ class FrameLimits {
   std::optional<FrameTimeControl> frame_time_;
 };
 
-/// Reads and encodes one frame. The error begins with the file.
+/// Reads and encodes one frame. `keep_source`: PackedFrame::source is wanted. The error begins with
+/// the file.
 Result<PackedFrame> pack_frame(SegmentInput& input, std::size_t frame, const PackOptions& options,
-                               FrameLimits& limits);
+                               FrameLimits& limits, bool keep_source);
 
 }  // namespace pointreel

@@ -13,6 +13,7 @@
 #include "common/base/try.h"
 #include "common/file_system/output_folder.h"
 #include "server/pack/cleaning.h"
+#include "server/pack/coding_error.h"
 #include "server/pack/pack_group.h"
 
 namespace pointreel {
@@ -21,10 +22,13 @@ namespace {
 /// Writes frames in order and sums them up.
 class Writer {
  public:
-  Writer(std::uint32_t first_frame, const PackOptions& options, const SegmentOutput& output)
+  /// `compared`: the frame of the segment that is compared with its source.
+  Writer(std::uint32_t first_frame, std::optional<std::size_t> compared, const PackOptions& options,
+         const SegmentOutput& output)
       : fps_(options.fps),
         time_us_(output.time_us),
         first_frame_(first_frame),
+        compared_(compared),
         options_(options),
         files_(output.folder, first_frame, output.layer_names) {
     segment_.summary.first_frame = first_frame;
@@ -51,8 +55,17 @@ class Writer {
   Result<void> write_waiting() {
     if (waiting_.empty()) return {};
     if (options_.video) TRY(add_video());
+    TRY(compare());
     for (const PackedFrame& frame : waiting_) TRY(write(frame));
     waiting_.clear();
+    return {};
+  }
+
+  Result<void> compare() {
+    const std::size_t before = segment_.summary.frames;
+    if (!compared_ || *compared_ < before || *compared_ >= before + waiting_.size()) return {};
+    segment_.coding_error =
+        TRY(coding_error(std::span(waiting_).first(*compared_ - before + 1), options_));
     return {};
   }
 
@@ -116,6 +129,7 @@ class Writer {
   const double fps_;
   const std::function<std::uint64_t(std::size_t)> time_us_;
   const std::uint32_t first_frame_;
+  const std::optional<std::size_t> compared_;
   const PackOptions& options_;
   SegmentWriter files_;
   std::vector<PackedFrame> waiting_;
@@ -137,6 +151,7 @@ Manifest manifest_of(PackedSegment segment, const Manifest& head) {
   manifest.depth_min = segment.summary.depth_min;
   manifest.depth_max = segment.summary.depth_max;
   if (head.group_frames == 0) manifest.max_error = segment.summary.max_error;
+  manifest.coding_error = segment.coding_error;
   if (segment.cleaning.frames > 0) manifest.cleaning = segment.cleaning;
   segment.entry.first_frame = 0;
   manifest.segments.push_back(std::move(segment.entry));
@@ -146,7 +161,8 @@ Manifest manifest_of(PackedSegment segment, const Manifest& head) {
 Result<PackedSegment> pack_segment(SegmentInput& input, std::uint32_t first_frame,
                                    const PackOptions& options, FrameLimits& limits,
                                    const SegmentOutput& output) {
-  Writer writer(first_frame, options, output);
+  const std::optional<std::size_t> compared = compared_frame(first_frame, input.size());
+  Writer writer(first_frame, compared, options, output);
   std::optional<Error> error;  // belongs to the last stage
   std::atomic<bool> failed = false;
   const auto stopping = [&] { return failed || output.stop.stop_requested(); };
@@ -156,7 +172,9 @@ Result<PackedSegment> pack_segment(SegmentInput& input, std::uint32_t first_fram
     flow.stop();
     return 0;
   };
-  const auto encode = [&](std::size_t frame) { return pack_frame(input, frame, options, limits); };
+  const auto encode = [&](std::size_t frame) {
+    return pack_frame(input, frame, options, limits, frame == compared);
+  };
   const auto write = [&](Result<PackedFrame> frame) {
     if (stopping()) return;
     const Result<void> written =

@@ -33,6 +33,7 @@ struct PackedSegment {
   std::uint64_t points = 0, coded_points = 0;
   std::uint64_t scalar_bytes = 0;
   Cleaning cleaning;
+  std::optional<CodingError> coding_error;
   std::optional<Chunks<std::uint64_t>> parts;  ///< as PackSummary::parts
   std::vector<double> encode_ms;               ///< of each frame
   std::vector<std::string> warnings;

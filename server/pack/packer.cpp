@@ -21,6 +21,7 @@
 #include "server/pack/audio.h"
 #include "server/pack/begin_manifest.h"
 #include "server/pack/cleaning.h"
+#include "server/pack/coding_error.h"
 #include "server/pack/in_arena.h"
 #include "server/pack/pack_segment.h"
 #include "server/pack/package_tables.h"
@@ -123,6 +124,8 @@ class Packer {
     for (const PackageFile* file : manifest_.files()) summary_.bytes += file->bytes;
     summary_.encode_ms = spread_of(std::move(encode_ms_));
     summary_.video = options_.video.has_value();
+    summary_.coding_error = manifest_.coding_error;
+    if (manifest_.coding_error) summary_.peak = peak_of(manifest_);
     summary_.codec = manifest_.codec;
     summary_.entropy = manifest_.entropy;
     return std::move(summary_);

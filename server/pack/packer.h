@@ -57,7 +57,9 @@ struct PackSummary {
   Spread encode_ms;  ///< of a frame, from the cloud in memory to the encoded bytes
   std::uint32_t depth_min = 0, depth_max = 0;
   std::string codec, entropy;
-  double max_error = 0.0;               ///< of all segments, in the source's units; not of video
+  double max_error = 0.0;  ///< of all segments, in the source's units; not of video
+  std::optional<CodingError> coding_error;
+  double peak = 0.0;                    ///< peak_of, if there is a coding_error
   bool video = false;                   ///< PackOptions::video
   std::optional<double> recorded_fps;   ///< by the median spacing of the times of a recording
   std::uint64_t late_frames = 0;        ///< frames that took longer than frame_time_ms

@@ -150,6 +150,21 @@ TEST(Manifest, tells_how_frames_were_cleaned) {
   EXPECT_THAT(error_with({{"cleaning", 5}}), HasSubstr("cleaning"));
 }
 
+TEST(Manifest, tells_what_coding_lost) {
+  Manifest m = example();
+  for (const CodingError& error : {CodingError{2, 0.25, 0.125, 9.5}, CodingError{1, 0.0, {}, {}}}) {
+    m.coding_error = error;
+    EXPECT_EQ(parse_manifest(write_manifest(m)).value().coding_error, error);
+  }
+  EXPECT_THAT(error_with({{"coding_error", {{"frames", 0}, {"d1", 1}}}}),
+              HasSubstr("frames: is 0"));
+  EXPECT_THAT(error_with({{"coding_error", {{"frames", 1}, {"d1", -1}}}}),
+              HasSubstr("coding_error: d1"));
+  EXPECT_THAT(error_with({{"coding_error", {{"frames", 1}}}}), HasSubstr("coding_error: d1"));
+  EXPECT_THAT(error_with({{"coding_error", {{"frames", 1}, {"d1", 1}, {"luma", -1}}}}),
+              HasSubstr("coding_error: luma"));
+}
+
 TEST(Manifest, tells_when_it_was_captured) {
   Manifest m = example();
   m.captured_us = 1'781'280'005'250'000;

@@ -90,11 +90,24 @@ TEST_F(Video, is_verified_unpacked_cut_and_joined) {
   // In the middle of a group, at its end, and the last one, in a segment of two frames.
   const Outcome done = server({"unpack", "-i", path("reel"), "-o", path("out")});
   ASSERT_EQ(done.exit_code, 0) << done.err;
+  const CloudDistance compared = cloud_distance(ball(4), unpacked("out", 4)).value();
+  ASSERT_TRUE(manifest.coding_error);
+  EXPECT_EQ(manifest.coding_error->frames, 1u);
+  EXPECT_NEAR(manifest.coding_error->d1, compared.d1(), 1e-3 * compared.d1());
+  EXPECT_NEAR(*manifest.coding_error->luma, compared.colors()->x, 0.01 * compared.colors()->x);
   for (const int frame : {0, 3, 6, 9}) {
     const CloudDistance error = cloud_distance(ball(frame), unpacked("out", frame)).value();
     EXPECT_LT(std::sqrt(error.d1()), 1.0) << frame;
     EXPECT_GT(color_psnr(*error.colors()).x, 26.0) << frame;
   }
+  const Outcome voxels =
+      server({"unpack", "-i", path("reel"), "-o", path("voxels"), "--frames", "4", "--voxels"});
+  ASSERT_EQ(voxels.exit_code, 0) << voxels.err;
+  EXPECT_LT(cloud_distance(ball(4), unpacked("voxels", 4)).value().d1(), compared.d1());
+  const Outcome of_base =
+      server({"unpack", "-i", path("reel"), "-o", path("base"), "--layers", "1", "--voxels"});
+  EXPECT_EQ(of_base.exit_code, 1);
+  EXPECT_THAT(of_base.err, testing::HasSubstr("--voxels is for all layers of video"));
   const Outcome base = server({"unpack", "-i", path("reel"), "-o", path("base"), "--layers", "1"});
   ASSERT_EQ(base.exit_code, 0) << base.err;
   EXPECT_GT(unpacked("base", 6).size(), 1000u) << "octrees of their own";

@@ -325,12 +325,16 @@ TEST_F(Edit, what_was_cleaned_is_shared_out_and_added_up_again) {
   const fs::path reel = pack_as("reel", options());
   Manifest manifest = read_manifest(reel).value();
   manifest.cleaning = Cleaning{20, 1000, 0.5, 0.1, 1.0};
+  manifest.coding_error = CodingError{1, 4.0, 1.0, 9.0};
   write_file(reel / "reel.json", write_manifest(manifest));
   ASSERT_TRUE(cut(reel, "a", 0, 5));
   ASSERT_TRUE(cut(reel, "b", 6, 19));
   EXPECT_EQ(read_manifest(at("a"))->cleaning, (Cleaning{6, 300, 0.5, 0.1, 1.0}));
   ASSERT_TRUE(join({"a", "b"}, "joined"));
   EXPECT_EQ(read_manifest(at("joined"))->cleaning, manifest.cleaning);
+  EXPECT_FALSE(read_manifest(at("joined"))->coding_error) << "nobody compared these frames";
+  ASSERT_TRUE(cut(reel, "all", 0, 19));
+  EXPECT_EQ(read_manifest(at("all"))->coding_error, manifest.coding_error);
 }
 
 TEST_F(Edit, a_manifest_that_would_be_too_long_is_refused) {

@@ -12,6 +12,7 @@
 #include "codec/package/max_error.h"
 #include "pointreel/draco.h"
 #include "server/inspect/inspect.h"
+#include "server/pack/coding_error.h"
 #include "server/pack/packer.h"
 #include "tests/packed_clouds.h"
 
@@ -148,6 +149,34 @@ TEST_F(PackControl, lowers_the_depth_if_frames_take_too_long) {
   EXPECT_EQ(summary.depth_max, 10u);
   EXPECT_EQ(summary.depth_min, 1u);
   EXPECT_THAT(verify(options.output)->faults, IsEmpty());
+}
+
+TEST_F(PackControl, compares_a_frame_of_a_second_with_its_source) {
+  EXPECT_EQ(compared_frame(0, 24), 12u);
+  EXPECT_EQ(compared_frame(24, 24), 12u) << "in which frame 30 is";
+  EXPECT_EQ(compared_frame(31, 24), std::nullopt);
+  PackOptions options = this->options(5, 2000);
+  options.segment_frames = 4;
+  const PackSummary summary = packed(options);
+  const Manifest manifest = read_manifest(options.output).value();
+  ASSERT_TRUE(manifest.coding_error);
+  EXPECT_EQ(manifest.coding_error, summary.coding_error);
+  const auto source = read_cloud_file(folder_.path() / "in" / "frame_2.ply");
+  const auto back = decode_frame(layer_views(*read_frame(options.output, manifest, 2, SIZE_MAX)));
+  const CloudDistance distance = cloud_distance(source->cloud, back->cloud).value();
+  EXPECT_EQ(manifest.coding_error->frames, 1u);
+  EXPECT_EQ(manifest.coding_error->d1, distance.d1());
+  EXPECT_GT(distance.d1(), 0.0);
+  EXPECT_EQ(manifest.coding_error->luma, distance.colors()->x);
+}
+
+TEST(AddCodingError, weighs_by_frames_and_keeps_what_all_have) {
+  std::optional<CodingError> sum;
+  add_coding_error(sum, {1, 2.0, 1.0, 8.0});
+  add_coding_error(sum, {3, 6.0, 5.0, {}});
+  EXPECT_EQ(sum, (CodingError{4, 5.0, 4.0, {}}));
+  EXPECT_EQ(coding_error_text({1, 0.0, {}, 65.025}, 10.0),
+            "D1 without loss, luma 30.0 dB (1 frame compared)");
 }
 
 TEST_F(PackControl, reports_the_largest_error_and_stores_it_in_the_package) {

@@ -123,6 +123,17 @@ struct Cleaning {
   bool operator==(const Cleaning&) const = default;
 };
 
+/// How far decoded frames are from those that were encoded, cleaned if they were: means over a few
+/// frames, each the worse of both directions (codec/distance/distance.h).
+struct CodingError {
+  std::uint32_t frames = 0;    ///< that were compared
+  double d1 = 0.0;             ///< mean squared distance to the nearest point, in squared units
+  std::optional<double> d2;    ///< the same along the normals there
+  std::optional<double> luma;  ///< mean squared difference, in squared 8-bit steps
+
+  bool operator==(const CodingError&) const = default;
+};
+
 /// The content of reel.json.
 struct Manifest : ReelHead {
   std::uint64_t duration_us = 0;  ///< of one pass, including the last frame's own duration
@@ -134,7 +145,8 @@ struct Manifest : ReelHead {
   /// How far a point, cleaned if it was, can be from its decoded position, in the units of the
   /// source, as the packer measured it. Absent if nobody did.
   std::optional<double> max_error;
-  std::optional<Cleaning> cleaning;   ///< absent if no frame was cleaned
+  std::optional<CodingError> coding_error;  ///< absent if nobody measured it
+  std::optional<Cleaning> cleaning;         ///< absent if no frame was cleaned
   std::optional<PackageFile> tables;  ///< the reel's own context tables, if its frames need any
   std::optional<AudioFile> audio;     ///< absent if the reel is silent
   std::optional<LiveManifest> live;   ///< only while frames may still be added

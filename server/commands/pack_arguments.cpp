@@ -62,7 +62,7 @@ void PackArguments::add_to(cli::Command command) {
       .add_option_function<std::string>(
           "--bitrate", [this](const std::string& text) { options_.bitrate = *parse_bitrate(text); },
           "bits per second, such as 20M or 800k, that no segment exceeds on average; depth and "
-          "qualities are lowered to achieve this")
+          "qualities are lowered to achieve this; segments of video are encoded up to five times")
       .check(cli::parsed_by(parse_bitrate))
       .type_name("RATE");
   group_ = command
@@ -118,8 +118,6 @@ Result<PackOptions> PackArguments::options() const {
   PackOptions options = options_;
   static_cast<EncodingOptions&>(options) = TRY(sequence_.options());
   if (sequence_.codec == Codec::video) {
-    if (options.bitrate)
-      return fail(ErrorCode::argument, "--bitrate does not go with --codec video: give --quality");
     if (options.cube_per_frame)
       return fail(ErrorCode::argument,
                   "--cube frame does not go with --codec video, whose frames share a cube");

@@ -48,7 +48,9 @@ ordered_json to_json(const SegmentSummary& segment) {
                        {"bytes", segment.bytes},
                        {"bits_per_second", segment.bits_per_second},
                        {"depth", {{"min", segment.depth_min}, {"max", segment.depth_max}}}};
-  if (const auto* octree = std::get_if<OctreeOptions>(&segment.encode.codec)) {
+  if (segment.video_quality) {
+    json["quality"] = *segment.video_quality;
+  } else if (const auto* octree = std::get_if<OctreeOptions>(&segment.encode.codec)) {
     json["quality"] = octree->color_quality;
     json["normal_quality"] = octree->normal_quality;
   } else {
@@ -93,9 +95,9 @@ ordered_json to_json(const PackSummary& summary) {
   if (summary.recorded_fps) json["recorded_fps"] = *summary.recorded_fps;
   json["max_error"] = nullptr;
   if (!summary.video) json["max_error"] = summary.max_error;
+  json["coding_error"] = coding_error_json(summary.coding_error, summary.peak);
   json["late_frames"] = summary.late_frames;
   json["read_as"] = summary.guesses;
-  json["coding_error"] = coding_error_json(summary.coding_error, summary.peak);
   json["missing"] = {{"frames", summary.unreadable_frames}, {"parts", summary.lost_parts}};
   json["segments"] = ordered_json::array();
   for (const SegmentSummary& segment : summary.segments) {
@@ -123,7 +125,9 @@ double mean_rate(const PackSummary& summary) {
 /// What the bit rate allowed for a segment.
 void print_segment(const SegmentSummary& segment) {
   std::string quality;
-  if (const auto* octree = std::get_if<OctreeOptions>(&segment.encode.codec)) {
+  if (segment.video_quality) {
+    quality = fmt::format("quality {}", *segment.video_quality);
+  } else if (const auto* octree = std::get_if<OctreeOptions>(&segment.encode.codec)) {
     quality =
         fmt::format("quality {}, of normals {}", octree->color_quality, octree->normal_quality);
   } else {
@@ -155,12 +159,12 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
   if (!summary.video)
     print("  error           at most {}, in the source's units\n",
           number_text(summary.max_error, 4));
+  if (summary.coding_error)
+    print("  compared        {}\n", coding_error_text(*summary.coding_error, summary.peak));
   if (options.clean && summary.cleaning.frames == 0 && (!options.voxel || options.resample)) {
     print("  cleaning        none: {}\n", why_not_cleaned(*options.clean));
   } else if (options.clean) {
     print("  cleaning        {}\n", cleaning_text(summary.cleaning));
-  if (summary.coding_error)
-    print("  compared        {}\n", coding_error_text(*summary.coding_error, summary.peak));
   }
   if (summary.recorded_fps) {
     print("  time            as recorded, {} frames per second by the median (--fps: evenly)\n",

@@ -43,7 +43,8 @@ struct PackOptions : EncodingOptions {
   /// more encodes of each frame. Of octrees this is known anyway.
   bool measure_parts = false;
   /// Bits per second, above 0, that no segment may exceed on average. RateControl then chooses the
-  /// encode options of each segment, none of them finer than `encode`.
+  /// encode options of each segment, none of them finer than `encode`, and QualitySearch the
+  /// quality of video.
   std::optional<double> bitrate;
   /// Each frame gets its own bounding cube, instead of one that all frames of a segment share
   /// (common/FORMULAS.md, "Cube of a frame").

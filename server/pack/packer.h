@@ -36,10 +36,11 @@ struct SegmentSummary {
   std::uint64_t bytes = 0;       ///< of its files
   double bits_per_second = 0.0;  ///< while it plays
   std::uint32_t depth_min = 0, depth_max = 0;
-  EncodeOptions encode;     ///< the options of its frames, except for the depth, which is above
-  double max_error = 0.0;   ///< the largest geometry_error of its frames
+  EncodeOptions encode;  ///< the options of its frames, except for the depth, which is above
+  std::optional<int> video_quality = {};  ///< of video at a bit rate
+  double max_error = 0.0;                 ///< the largest geometry_error of its frames
   bool within_rate = true;  ///< false: even the coarsest encoding exceeds the bit rate
-  int trials = 0;           ///< how often sample frames were encoded to meet the bit rate
+  int trials = 0;  ///< how often sample frames, or video, were encoded to meet the bit rate
 };
 
 struct PackSummary {

@@ -10,9 +10,21 @@
 #include "common/file_system/output_folder.h"
 #include "server/pack/input.h"
 #include "server/pack/trials.h"
+#include "server/rate/quality_search.h"
 #include "server/rate/rate_control.h"
 
 namespace pointreel {
+namespace {
+
+void begin_anew(SegmentOutput& output, const PackedSegment& packed) {
+  for (const LayerFile& file : packed.entry.layers) {
+    std::error_code ignored;
+    std::filesystem::remove(output.folder / file.path, ignored);
+  }
+  output.frame_done = {};  // each frame counts once
+}
+
+}  // namespace
 
 Result<PackedSegment> SegmentPacker::pack(std::span<const CloudFrame> files,
                                           std::uint32_t first_frame) {
@@ -20,16 +32,30 @@ Result<PackedSegment> SegmentPacker::pack(std::span<const CloudFrame> files,
   const Result<void> found = input.find_shared_grid(output_.stop);
   if (output_.stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
   TRY(found);
-  return options_.bitrate ? pack_within_rate(input, first_frame)
-                          : pack_segment(input, first_frame, options_, limits_, output_);
+  if (!options_.bitrate) return pack_segment(input, first_frame, options_, limits_, output_);
+  PackedSegment packed = TRY(options_.video ? pack_video_within_rate(input, first_frame)
+                                            : pack_within_rate(input, first_frame));
+  if (packed.summary.within_rate) return packed;
+  const std::string excess = fmt::format(
+      "frames {} to {} take {:.3g} Mbit/s at the coarsest, more than the bit rate", first_frame,
+      first_frame + input.size() - 1, 1e-6 * packed.summary.bits_per_second);
+  if (!options_.best_effort) {
+    return fail(ErrorCode::limit,
+                excess + ": give a higher --bitrate, or --best-effort to pack them nevertheless");
+  }
+  packed.warnings.push_back(excess);
+  return packed;
+}
+
+double SegmentPacker::budget(std::size_t frames) const {
+  return *options_.bitrate / 8.0 * static_cast<double>(frames) / options_.fps;
 }
 
 /// Finds the finest options that meet the bit rate, and packs the segment with them.
 Result<PackedSegment> SegmentPacker::pack_within_rate(SegmentInput& input,
                                                       std::uint32_t first_frame) {
   const Trials trials = TRY(Trials::create(input));
-  const double seconds = static_cast<double>(input.size()) / options_.fps;
-  const double budget = *options_.bitrate / 8.0 * seconds;
+  const double budget = this->budget(input.size());
   RateControl control(budget, trials.have_attributes(options_.encode));
   SegmentOutput output = output_;
   for (;;) {
@@ -41,27 +67,32 @@ Result<PackedSegment> SegmentPacker::pack_within_rate(SegmentInput& input,
     const auto bytes = static_cast<double>(packed.summary.bytes);
     // The trials encode only some of the frames. If all together take more, it starts again.
     if (bytes > budget && control.overshot(bytes)) {
-      for (const LayerFile& file : packed.entry.layers) {
-        std::error_code ignored;
-        std::filesystem::remove(output_.folder / file.path, ignored);
-      }
-      output.frame_done = {};  // each frame counts once
+      begin_anew(output, packed);
       continue;
     }
     packed.summary.trials = control.trials();
     packed.summary.within_rate = bytes <= budget;
-    if (!packed.summary.within_rate) {
-      const std::string excess = fmt::format(
-          "frames {} to {} take {:.3g} Mbit/s at the coarsest, more than the bit rate", first_frame,
-          first_frame + input.size() - 1, 1e-6 * packed.summary.bits_per_second);
-      if (!options_.best_effort) {
-        return fail(ErrorCode::limit, excess +
-                                          ": give a higher --bitrate, or --best-effort to pack "
-                                          "them nevertheless");
-      }
-      packed.warnings.push_back(excess);
-    }
     return packed;
+  }
+}
+
+Result<PackedSegment> SegmentPacker::pack_video_within_rate(SegmentInput& input,
+                                                            std::uint32_t first_frame) {
+  PackOptions options = options_;
+  SegmentOutput output = output_;
+  const SegmentInput::Cloud middle = TRY(input.look(input.size() / 2));
+  QualitySearch search(budget(input.size()), options.video->quality,
+                       middle->cloud.size() * input.size());
+  for (;;) {
+    options.video->quality = search.quality();
+    PackedSegment packed = TRY(pack_segment(input, first_frame, options, limits_, output));
+    if (search.accepts(static_cast<double>(packed.summary.bytes))) {
+      packed.summary.trials = search.tries();
+      packed.summary.video_quality = options.video->quality;
+      packed.summary.within_rate = search.fits();
+      return packed;
+    }
+    begin_anew(output, packed);
   }
 }
 

@@ -30,6 +30,9 @@ class SegmentPacker {
 
  private:
   Result<PackedSegment> pack_within_rate(SegmentInput& input, std::uint32_t first_frame);
+  Result<PackedSegment> pack_video_within_rate(SegmentInput& input, std::uint32_t first_frame);
+  /// Bytes for so many frames at PackOptions::bitrate.
+  double budget(std::size_t frames) const;
 
   const PackOptions& options_;
   FrameLimits limits_;

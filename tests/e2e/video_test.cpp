@@ -189,6 +189,29 @@ TEST_F(Video, colours_that_some_frames_lack_are_kept_and_empty_frames_have_none)
   }
 }
 
+TEST_F(Video, keeps_within_a_bit_rate) {
+  const auto rate_of = [&](const std::string& reel, const std::vector<std::string>& options) {
+    const Outcome packed = pack(reel, options);
+    EXPECT_EQ(packed.exit_code, 0) << packed.err;
+    const Manifest manifest = read_manifest(path(reel)).value();
+    std::uint64_t bytes = 0;
+    for (const PackageFile* file : manifest.files()) bytes += file->bytes;
+    return static_cast<double>(bytes) * 8e6 / static_cast<double>(manifest.duration_us);
+  };
+  const double coarsest = rate_of("coarse", {"--quality", "1"}), free = rate_of("free", {});
+  const double asked = std::sqrt(coarsest * free);
+  const double rate = rate_of("bound", {"--bitrate", std::to_string(static_cast<int>(asked))});
+  EXPECT_LE(rate, asked);
+  EXPECT_GT(rate, 0.6 * asked);
+  EXPECT_EQ(server({"verify", path("bound")}).exit_code, 0);
+
+  const std::string too_few = std::to_string(static_cast<int>(0.5 * coarsest));
+  const Outcome refused = pack("never", {"--bitrate", too_few});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("at the coarsest, more than the bit rate"));
+  EXPECT_FALSE(fs::exists(path("never")));
+}
+
 TEST_F(Video, a_frame_that_collapses_is_an_error_or_a_warning) {
   fs::create_directory(path("far"));
   PointCloud far = ball(0);
@@ -206,7 +229,6 @@ TEST_F(Video, a_frame_that_collapses_is_an_error_or_a_warning) {
 TEST_F(Video, options_that_do_not_go_together_are_refused) {
   for (const auto& [options, message] :
        std::vector<std::pair<std::vector<std::string>, std::string>>{
-           {{"--bitrate", "2M"}, "--bitrate does not go with --codec video"},
            {{"--cube", "frame"}, "--cube frame does not go with --codec video"},
            {{"--voxel", "2"}, "--voxel needs --codec octree"}}) {
     const Outcome refused = pack("never", options);

@@ -329,7 +329,7 @@ PYBIND11_MODULE(_native, module) {
 
   py::class_<PyFrame> frame(module, "Frame", "The points of a frame, which do not change.");
   forbid_construction(frame);
-  frame.def("__len__", [](const PyFrame& frame) { return frame.frame->cloud.size(); })
+  frame.def("__len__", [](const PyFrame& self) { return self.frame->cloud.size(); })
       .def("__repr__", describe)
       .def_property_readonly("positions", positions_of,
                              "float32, n x 3, relative to `origin`: the frame's memory itself.")
@@ -345,17 +345,17 @@ PYBIND11_MODULE(_native, module) {
                              "n, NaN where unknown, each the frame's memory itself.")
       .def_property_readonly("world", world_of, "float64, n x 3: origin + positions, a copy.")
       .def_property_readonly(
-          "origin", [](const PyFrame& frame) { return vector_of(frame.frame->cloud.origin); },
+          "origin", [](const PyFrame& self) { return vector_of(self.frame->cloud.origin); },
           "float64, 3.")
       .def_property_readonly(
-          "index", [](const PyFrame& frame) { return frame.frame->info.index; },
+          "index", [](const PyFrame& self) { return self.frame->info.index; },
           "The frame's number in its reel or stream.")
       .def_property_readonly(
           "time",
-          [](const PyFrame& frame) { return static_cast<double>(frame.frame->info.time_us) / 1e6; },
+          [](const PyFrame& self) { return static_cast<double>(self.frame->info.time_us) / 1e6; },
           "Seconds from the reel's start; of live streams, Unix time of the capture.")
       .def_property_readonly(
-          "layers", [](const PyFrame& frame) { return frame.frame->layers; },
+          "layers", [](const PyFrame& self) { return self.frame->layers; },
           "How many layers it was decoded from; 0 for a file.");
 
   py::class_<ReadAhead> read_ahead(module, "ReadAhead");

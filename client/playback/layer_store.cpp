@@ -208,8 +208,16 @@ void LayerStore::shrink(std::uint64_t budget,
   for (const auto& [value, frame] : ranked) {
     if (bytes_ <= budget - budget / 16) break;
     const auto it = records_.find(frame);
-    bytes_ -= it->second.bytes;
-    records_.erase(it);  // layers of it that are still coming make a new record
+    Record& record = it->second;
+    bytes_ -= std::exchange(record.bytes, 0);
+    if (record.limit == ~0u && record.refetched == 0) {
+      records_.erase(it);  // layers of it that are still coming make a new record
+      continue;
+    }
+    // What could not be had is remembered, or it would be wanted again at once.
+    record.file.reset();
+    for (Slot& slot : record.slots)
+      if (slot.state == Slot::State::here) slot = {};
   }
 }
 

@@ -65,7 +65,7 @@ class LayerStore {
   /// An estimate of the bytes that are being fetched, by the mean size of earlier answers.
   std::uint64_t coming_bytes() const;
   /// If more than `budget` bytes are kept, drops frames with the greatest `rank` first, until it is
-  /// well below. A frame of rank 0 is never dropped.
+  /// well below. A frame of rank 0 is never dropped. What could not be had stays known.
   void shrink(std::uint64_t budget, const std::function<std::uint64_t(std::uint32_t)>& rank);
   /// Layers of these frames that could not be had may be tried again.
   void forgive(const std::function<bool(std::uint32_t)>& which);

@@ -323,6 +323,22 @@ TEST(FrameBuffer, a_frame_does_without_a_layer_that_is_damaged_twice) {
   EXPECT_EQ(buffer.best()->level, 7);
 }
 
+TEST(FrameBuffer, what_is_damaged_stays_known_where_coded_frames_are_not_kept) {
+  FrameBuffer::Options cheap = layered(100, 0);
+  cheap.store_bytes = 0;
+  cheap.base_first = false;
+  FrameBuffer buffer(cheap);
+  fetch(buffer);
+  EXPECT_TRUE(buffer.broken(*buffer.next_wanted(), 1));
+  fetch(buffer);
+  EXPECT_FALSE(buffer.broken(*buffer.next_wanted(), 1));
+  const auto coarse = buffer.next_wanted();
+  EXPECT_EQ(coarse->layers, 1u);
+  buffer.deliver(*coarse, picture_at(0, 7));
+  EXPECT_EQ(buffer.wait(milliseconds(0), true), FrameBuffer::State::ready);
+  EXPECT_EQ(buffer.stored_bytes(), 0u);
+}
+
 TEST(FrameBuffer, only_the_chosen_layers_and_attributes_are_fetched) {
   FrameBuffer::Options chosen = layered(100, 0);
   LayerRange choice{0, 1, true, false};

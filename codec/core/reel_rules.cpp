@@ -208,8 +208,11 @@ Result<void> check_manifest(const Manifest& manifest) {
   if (manifest.depth_min > manifest.depth_max) return fail("depth_min: is above depth_max");
   TRY(at_place("bounds", check_box(manifest.bounds)));
   TRY(check_not_negative({{"max_error", manifest.max_error.value_or(0.0)}}));
-  if (manifest.coding_error)
+  if (manifest.coding_error) {
     TRY(at_place("coding_error", check_coding_error(*manifest.coding_error)));
+    if (manifest.coding_error->frames > manifest.frame_count())
+      return fail("coding_error: frames: are more than the reel has");
+  }
   if (manifest.cleaning) TRY(at_place("cleaning", check_cleaning(*manifest.cleaning)));
   std::set<std::string_view> paths;
   if (manifest.tables) {

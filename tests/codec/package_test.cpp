@@ -158,6 +158,8 @@ TEST(Manifest, tells_what_coding_lost) {
   }
   EXPECT_THAT(error_with({{"coding_error", {{"frames", 0}, {"d1", 1}}}}),
               HasSubstr("frames: is 0"));
+  EXPECT_THAT(error_with({{"coding_error", {{"frames", 1u << 31}, {"d1", 1}}}}),
+              HasSubstr("frames: are more than the reel has"));
   EXPECT_THAT(error_with({{"coding_error", {{"frames", 1}, {"d1", -1}}}}),
               HasSubstr("coding_error: d1"));
   EXPECT_THAT(error_with({{"coding_error", {{"frames", 1}}}}), HasSubstr("coding_error: d1"));

@@ -61,8 +61,9 @@ std::size_t layer_at_fault(const FrameDecoder& decoder, std::vector<Chunks<ByteV
   return layers.size() - 1;
 }
 
-/// How many cells of the octree below it video may move the edge of a surface.
-constexpr double kVideoCells = 4.0;
+/// How many cells of the octree below it video may move a point. Strong quantisers move some points
+/// of clouds that are no surfaces by a tenth of the cube.
+constexpr double kVideoCells = 16.0;
 
 /// Whether the points lie within the bounds, which are those of the source: coding moves a point by
 /// up to so many cells.

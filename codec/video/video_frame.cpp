@@ -1,6 +1,7 @@
 #include "codec/video/video_frame.h"
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -58,10 +59,16 @@ Result<std::vector<Chunks<ByteView>>> leftover_layers(ByteView bytes) {
   return layers;
 }
 
-void append(PointCloud& cloud, const PointCloud& more, bool normals) {
+/// Fails if points are so far from the others that floats cannot tell where.
+Result<void> append(PointCloud& cloud, const PointCloud& more, bool normals) {
   const glm::vec3 offset(more.origin - cloud.origin);
   const bool colors = cloud.has_colors() || (cloud.empty() && more.has_colors());
-  for (const glm::vec3& position : more.positions) cloud.positions.push_back(offset + position);
+  for (const glm::vec3& position : more.positions) {
+    const glm::vec3 moved = offset + position;
+    if (!std::isfinite(glm::dot(moved, glm::vec3(1.0f))))
+      return fail("points outside of the video's views are too far away");
+    cloud.positions.push_back(moved);
+  }
   if (colors) {
     if (more.has_colors())
       cloud.colors.insert(cloud.colors.end(), more.colors.begin(), more.colors.end());
@@ -72,6 +79,7 @@ void append(PointCloud& cloud, const PointCloud& more, bool normals) {
       cloud.normals.insert(cloud.normals.end(), more.normals.begin(), more.normals.end());
     cloud.normals.resize(cloud.size(), glm::vec3(0.0f));
   }
+  return {};
 }
 
 Bytes payload_of(const VideoGeometry& geometry) {
@@ -83,6 +91,16 @@ Bytes payload_of(const VideoGeometry& geometry) {
        {&geometry.group, &geometry.occupancy, &geometry.leftovers, &geometry.depth})
     payload.insert(payload.end(), part->begin(), part->end());
   return payload;
+}
+
+/// A chunk that video_chunks makes: its payload is as it is.
+Result<ParsedChunk> read_video_chunk(ByteView bytes, ChunkKind kind, FrameTag tag) {
+  const ParsedChunk chunk = TRY(read_chunk(bytes, kind, 1, tag));
+  const ChunkHeader& header = chunk.header;
+  if (header.entropy != Entropy::none || header.last_level != 0 ||
+      header.raw_size != chunk.payload.size())
+    return fail("the header of a chunk is not one of video");
+  return chunk;
 }
 
 /// Frames of a group are told apart by their number.
@@ -167,12 +185,13 @@ Result<VideoPictures> VideoDecoder::next(const Chunks<ByteView>& chunks,
     const auto first = read_chunk(chunks.geometry, ChunkKind::geometry, 1, 0);
     if (first) group_.reset();
     const auto tag = static_cast<FrameTag>(group_ ? group_->next() : 0);
-    const ParsedChunk geometry = TRY(read_chunk(chunks.geometry, ChunkKind::geometry, 1, tag));
+    const ParsedChunk geometry = TRY(read_video_chunk(chunks.geometry, ChunkKind::geometry, tag));
     const Parts parts = TRY(read_parts(geometry.payload));
+    if (group_ && !parts.group.empty()) return fail("the video's header comes again");
     if (!group_) group_ = TRY(Group::begin(parts.group, limits));
     ByteView colors;
     if (!chunks.colors.empty())
-      colors = TRY(read_chunk(chunks.colors, ChunkKind::colors, 1, tag)).payload;
+      colors = TRY(read_video_chunk(chunks.colors, ChunkKind::colors, tag)).payload;
     return group_->decode(parts, colors, limits.executor);
   };
   auto pictures = or_out_of_memory(decode);
@@ -195,7 +214,7 @@ Result<PointCloud> points_of(const VideoPictures& pictures, const DecodeLimits& 
     }
     PointCloud cloud = points_of(group, depths, pictures.colors ? &*pictures.colors : nullptr,
                                  normals, left.size(), limits.executor);
-    append(cloud, left, normals);
+    TRY(append(cloud, left, normals));
     return cloud;
   });
 }

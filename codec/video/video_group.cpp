@@ -62,7 +62,8 @@ Result<ParsedVideoGroup> read_video_group(ByteView bytes) {
     return fail(ErrorCode::unsupported, "the video is of another version");
   ParsedVideoGroup parsed;
   VideoGroup& group = parsed.group;
-  group.colors = reader.get<std::uint8_t>() != 0;
+  const auto colors = reader.get<std::uint8_t>();
+  group.colors = colors != 0;
   group.frames = reader.get<std::uint16_t>();
   for (int axis = 0; axis < 3; ++axis) group.origin[axis] = reader.get<double>();
   group.pitch = reader.get<double>();
@@ -73,10 +74,13 @@ Result<ParsedVideoGroup> read_video_group(ByteView bytes) {
     depth.steps = reader.get<float>();
   }
   const std::size_t count = reader.get<std::uint8_t>();
-  if (!reader.ok() || count > kMostPatches || group.frames < 1 || group.frames > kMostGroupFrames)
+  if (!reader.ok() || colors > 1 || count > kMostPatches || group.frames < 1 ||
+      group.frames > kMostGroupFrames)
     return fail("the video's header is damaged");
   if (group.width > kLargestAtlas || group.height > kLargestAtlas)
     return fail("the video's pictures are too large");
+  // dav1d takes a limit of 0 pixels for none.
+  if (group.width == 0 || group.height == 0) return fail("the video's pictures are empty");
   if (!is_codable({group.origin, group.pitch})) return fail("the video's pixels have no size");
   for (const DepthSteps& depth : group.depth) {
     if (!std::isfinite(depth.begin) || std::abs(depth.begin) > 2.0f * kLargestAtlas ||

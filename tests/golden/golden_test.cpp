@@ -1,12 +1,14 @@
 // Tests the streams of tests/golden/streams. README.md describes them.
 //
-//   pointreel_golden               tests them
-//   pointreel_golden --portable    tests them with the portable code, as on a processor without
-//   BMI2 pointreel_golden --make DIR    writes the streams that today's encoders make, and their
-//   outcomes
+//   pointreel_golden             tests them
+//   pointreel_golden --portable  the same with the portable code, as on a processor without BMI2
+//   pointreel_golden --make DIR  writes what today's encoders make, and its outcomes: the videos if
+//                                DIR is a folder of that name, else the streams
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <string_view>
 
@@ -14,19 +16,23 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "codec/video/video_frame.h"
 #include "pointreel/chunks.h"
 #include "pointreel/cpu.h"
 #include "pointreel/draco.h"
 #include "pointreel/octree.h"
 #include "tests/forge.h"
 #include "tests/golden/streams.h"
+#include "tests/golden/videos.h"
 #include "tests/paths.h"
 #include "tests/reference/frame_decoder.h"
+#include "tests/reference/video_decoder.h"
 
 namespace pointreel::golden::golden_test {
 namespace {
 
 const std::filesystem::path kFolder = source_folder() / "tests/golden/streams";
+const std::filesystem::path kVideos = source_folder() / "tests/golden/videos";
 
 Bytes read(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -34,11 +40,12 @@ Bytes read(const std::filesystem::path& file) {
   return Bytes(std::istreambuf_iterator<char>(in), {});
 }
 
-/// The frame of every file in the folder, by name.
-std::map<std::string, EncodedFrame> stored_frames() {
+/// What is in every file of a folder with this ending, by its name.
+std::map<std::string, EncodedFrame> stored_frames(const std::filesystem::path& folder = kFolder,
+                                                  const char* ending = ".frame") {
   std::map<std::string, EncodedFrame> frames;
-  for (const auto& entry : std::filesystem::directory_iterator(kFolder)) {
-    if (entry.path().extension() != ".frame") continue;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ending) continue;
     auto frame = frame_of(read(entry.path()));
     EXPECT_TRUE(frame) << entry.path();
     if (frame) frames[entry.path().stem()] = std::move(*frame);
@@ -46,8 +53,8 @@ std::map<std::string, EncodedFrame> stored_frames() {
   return frames;
 }
 
-nlohmann::json stored_outcomes() {
-  return nlohmann::json::parse(std::ifstream(kFolder / "outcomes.json"), nullptr, false);
+nlohmann::json stored_outcomes(const std::filesystem::path& folder = kFolder) {
+  return nlohmann::json::parse(std::ifstream(folder / "outcomes.json"), nullptr, false);
 }
 
 TEST(Golden, every_stream_decodes_to_what_it_must_or_gives_its_error) {
@@ -58,6 +65,18 @@ TEST(Golden, every_stream_decodes_to_what_it_must_or_gives_its_error) {
   for (const auto& [name, frame] : frames) {
     ASSERT_TRUE(outcomes.contains(name)) << name;
     EXPECT_EQ(outcome(frame), outcomes[name]) << name;
+  }
+}
+
+TEST(Golden, every_video_decodes_to_what_it_must_or_gives_its_error) {
+  const auto groups = stored_frames(kVideos, ".group");
+  const nlohmann::json outcomes = stored_outcomes(kVideos);
+  EXPECT_EQ(outcomes.size(), groups.size());
+  EXPECT_GE(groups.size(), 8u);
+  for (const auto& [name, group] : groups) {
+    ASSERT_TRUE(outcomes.contains(name)) << name;
+    EXPECT_EQ(video_outcome(group), outcomes[name]) << name;
+    EXPECT_EQ(outcomes[name].back().contains("error"), name.starts_with("bad_")) << name;
   }
 }
 
@@ -111,6 +130,48 @@ TEST(Golden, the_decoder_written_from_the_format_s_description_agrees_on_every_o
   }
 }
 
+/// The largest extent of points along an axis.
+double extent_of(const std::vector<glm::dvec3>& places) {
+  glm::dvec3 least(std::numeric_limits<double>::max()), most = -least;
+  for (const glm::dvec3& place : places) {
+    least = glm::min(least, place);
+    most = glm::max(most, place);
+  }
+  const glm::dvec3 extent = most - least;
+  return std::max({extent.x, extent.y, extent.z});
+}
+
+/// Compares the points of a frame of video in their order.
+void expect_same_points(const PointCloud& cloud, const reference::VideoPoints& expected) {
+  ASSERT_EQ(cloud.size(), expected.positions.size());
+  ASSERT_EQ(cloud.normals.size(), expected.normals.size());
+  EXPECT_EQ(cloud.colors, expected.colors);
+  const double near = 1e-6 * extent_of(expected.positions);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    ASSERT_LT(glm::length(cloud.world(i) - expected.positions[i]), near) << i;
+    ASSERT_LT(glm::length(glm::dvec3(cloud.normals[i]) - expected.normals[i]), 1e-5) << i;
+  }
+}
+
+TEST(Golden, the_video_decoder_written_from_the_format_s_description_agrees) {
+  const reference::Tables tables =
+      reference::read_tables(read(source_folder() / "codec/octree/tables/1.zst"));
+  for (const auto& [name, group] : stored_frames(kVideos, ".group")) {
+    VideoDecoder decoder;
+    reference::VideoDecoder expected_decoder(tables);
+    for (const Chunks<ByteView>& chunks : layer_views(group.layers)) {
+      const auto expected = expected_decoder.next(chunks);
+      const auto pictures = decoder.next(chunks);
+      const auto decoded = pictures.and_then([](const auto& shown) { return points_of(shown); });
+      ASSERT_EQ(decoded.has_value(), expected.has_value())
+          << name << ": " << (decoded ? expected.error().message : decoded.error().message);
+      if (!decoded) break;
+      SCOPED_TRACE(name);
+      expect_same_points(*decoded, *expected);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace pointreel::golden::golden_test
 
@@ -118,7 +179,10 @@ int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   const std::string_view option = argc > 1 ? argv[1] : "";
   if (option == "--make" && argc > 2) {
-    const auto written = pointreel::golden::write_streams(argv[2]);
+    const std::filesystem::path folder = argv[2];
+    const bool videos = folder.filename() == "videos";
+    const auto written =
+        videos ? pointreel::golden::write_videos(folder) : pointreel::golden::write_streams(folder);
     if (!written) fmt::print(stderr, "pointreel_golden: {}\n", written.error().message);
     return written ? 0 : 1;
   }

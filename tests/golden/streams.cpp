@@ -1,25 +1,18 @@
 #include "tests/golden/streams.h"
 
-#include <fstream>
 #include <span>
-
-#include <fmt/format.h>
-#include <xxhash.h>
 
 #include "common/base/byte_io.h"
 #include "common/base/try.h"
+#include "common/file_system/write_file.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 #include "tests/golden/cells.h"
+#include "tests/golden/hash.h"
 #include "tests/golden/known_as_number.h"
 
 namespace pointreel::golden {
 namespace {
-
-template <class T>
-std::string hash(const std::vector<T>& values) {
-  return fmt::format("{:016x}", XXH3_64bits(values.data(), values.size() * sizeof(T)));
-}
 
 nlohmann::json decoded(const EncodedFrame& encoded, std::size_t layers) {
   auto views = layer_views(encoded.layers);
@@ -34,15 +27,6 @@ nlohmann::json decoded(const EncodedFrame& encoded, std::size_t layers) {
     out["scalars"][field.name] = hash(known_as_number(field.values));
   if (frame->cloud.has_normals()) out["normals"] = hash(frame->cloud.normals);
   return out;
-}
-
-Result<void> write(const std::filesystem::path& file, ByteView bytes) {
-  std::ofstream out(file, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()),
-            static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (!out) return fail(ErrorCode::io, file.string() + ": cannot be written");
-  return {};
 }
 
 }  // namespace
@@ -99,12 +83,10 @@ Result<void> write_streams(const std::filesystem::path& folder) {
       if (outcomes[stream.name].contains("error") != bad) {
         return fail(stream.name + (bad ? ": decodes" : ": does not decode"));
       }
-      TRY(write(folder / (stream.name + ".frame"), file_of(stream.frame)));
+      TRY(write_file(folder / (stream.name + ".frame"), file_of(stream.frame)));
     }
   }
-  const std::string text = outcomes.dump(1) + "\n";
-  return write(folder / "outcomes.json",
-               {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  return write_file(folder / "outcomes.json", outcomes.dump(1) + "\n");
 }
 
 }  // namespace pointreel::golden

@@ -19,7 +19,7 @@ constexpr int kTries = 4;
 QualitySearch::QualitySearch(double budget, int asked, std::uint64_t points)
     : budget_(budget), above_(asked + 1) {
   const double bits = 8.0 * budget / static_cast<double>(std::max<std::uint64_t>(points, 1));
-  const double guess = 30.0 + std::log(kAim * bits / kBitsAt30) / kLogGrowth;
+  const double guess = 30.0 + std::log(std::max(kAim * bits / kBitsAt30, 1e-9)) / kLogGrowth;
   quality_ = static_cast<int>(std::clamp(guess, 1.0, static_cast<double>(asked)));
 }
 
@@ -45,16 +45,17 @@ void QualitySearch::choose() {
     quality_ = below_;
     return;
   }
-  const double wanted = std::log(kAim * budget_);
+  const auto log = [](double bytes) { return std::log(std::max(bytes, 1.0)); };
+  const double wanted = log(kAim * budget_);
   double quality = 0.0;
   if (below_ > 0 && above_bytes_ > 0.0) {
-    const double low = std::log(below_bytes_), high = std::log(above_bytes_);
+    const double low = log(below_bytes_), high = log(above_bytes_);
     quality = below_ + (above_ - below_) * (wanted - low) / std::max(high - low, 1e-9);
   } else {
     const double from = fits_ ? below_bytes_ : above_bytes_;
-    quality = quality_ + (wanted - std::log(std::max(from, 1.0))) / kLogGrowth;
+    quality = quality_ + (wanted - log(from)) / kLogGrowth;
   }
-  quality_ = std::clamp(static_cast<int>(quality), below_ + 1, above_ - 1);
+  quality_ = static_cast<int>(std::clamp<double>(quality, below_ + 1, above_ - 1));
 }
 
 }  // namespace pointreel

@@ -19,8 +19,8 @@ namespace pointreel {
 /// on a torus of radii 1 and 0.3; all normals point outward. A cell and its neighbours are about
 /// five spacings wide, and thinner detail is smoothed.
 ///
-/// The cloud's positions are finite (`sanitize`). The result depends neither on
-/// their order nor on the executor. O(n).
+/// The cloud's positions are finite (`sanitize`). The result depends neither on their order nor on
+/// the executor. O(n).
 void estimate_normals(PointCloud& cloud, const Executor& executor = {});
 
 /// The same, and estimates a radius for every point from the spacing of the points around it, which

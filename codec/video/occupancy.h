@@ -31,9 +31,8 @@ struct BlockMask {
 };
 
 /// The pixels that hold a point in each block of one row of a patch, row `y` of its blocks: bit
-/// kBlock * row + column. The edges of a block are rounded off by its neighbours:
-/// a pixel is on where the flags of the blocks, interpolated between their centres, are at least a
-/// half.
+/// kBlock * row + column. The edges of a block are rounded off by its neighbours: a pixel is on
+/// where the flags of the blocks, interpolated between their centres, are at least a half.
 void edges_of_row(const Patch& patch, const BlockMask& blocks, int y, std::uint16_t* pixels);
 
 /// A flag for each pixel of the pictures: whether it holds a point.

@@ -12,8 +12,8 @@ namespace pointreel {
 /// that its normal is closest to. The column's voxels are those that the middle part of this piece
 /// crosses: all of it would make slopes twice as thick. A point without a normal is one voxel.
 ///
-/// The cloud's positions are finite, and its origin is a corner of a voxel. Points a
-/// million voxels away from it are left out.
+/// The cloud's positions are finite, and its origin is a corner of a voxel. Points a million voxels
+/// away from it are left out.
 PointCloud surface_voxels(const PointCloud& cloud, double edge, const Executor& executor = {});
 
 }  // namespace pointreel

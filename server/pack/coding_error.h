@@ -16,9 +16,9 @@
 /// How far packed frames are from their sources: measured, added up, and for people and programs.
 namespace pointreel {
 
-/// The frame of a segment that is compared with its source, which takes as long as encoding some.
-/// Segments that are so short that this would count have none, but for one in every second of 30
-/// frames.
+/// The frame of a segment that is compared with its source: the middle one, if the segment contains
+/// a frame whose number is a multiple of 30. Comparing takes about as long as encoding, so of many
+/// short segments only some have such a frame.
 std::optional<std::size_t> compared_frame(std::uint32_t first_frame, std::size_t frames);
 
 /// Decodes the last of these frames and compares it with its source. Frames of video are those of a

@@ -104,7 +104,7 @@ void LayerControl::update(const Situation& situation) {
     return;
   }
   if (options_.link) update_link(situation);
-  update_machine(situation);
+  if (options_.machine) update_machine(situation);
 }
 
 void LayerControl::set_rung(Rung rung, double now) {

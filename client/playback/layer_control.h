@@ -59,6 +59,7 @@ class LayerControl {
     std::uint32_t layers = 1;  ///< how many the reel has
     unsigned threads = 2;      ///< how many make frames
     bool link = true;          ///< false for a local reel, which only the machine limits
+    bool machine = true;       ///< false if fewer frames are better than frames of fewer layers
   };
 
   /// How things stand.

@@ -9,7 +9,7 @@ namespace pointreel {
 
 LayerPlan::LayerPlan(const Manifest& manifest, unsigned threads, bool link)
     : manifest_(manifest),
-      control_({static_cast<std::uint32_t>(levels_of(manifest).size()), threads, link}),
+      control_(control_options(manifest, threads, link)),
       link_cap_(control_.caps().link) {}
 
 LayerDecision LayerPlan::wanted(const PrepareOptions& options) const {
@@ -57,8 +57,6 @@ bool LayerPlan::update(Clock::TimePoint now, LayerControl::Situation situation, 
 }
 
 bool LayerPlan::set_caps(LayerCaps caps) {
-  // The octree below a video is so coarse that fewer pictures a second look better.
-  if (manifest_.codec == "video") caps.machine_layers = LayerCaps{}.machine_layers;
   if (caps == this->caps()) return false;
   link_cap_ = caps.link;
   machine_cap_ = caps.machine_layers;

@@ -22,6 +22,16 @@ std::vector<int> levels_of(const Manifest& manifest) {
   return levels;
 }
 
+LayerControl::Options control_options(const Manifest& manifest, unsigned threads, bool link) {
+  LayerControl::Options options;
+  options.layers = static_cast<std::uint32_t>(levels_of(manifest).size());
+  options.threads = threads;
+  options.link = link;
+  // The octree below a video is so coarse that fewer pictures a second look better.
+  options.machine = manifest.codec != "video";
+  return options;
+}
+
 LayerDecision wanted_layers(const Manifest& manifest, const PrepareOptions& options) {
   LayerDecision decision{layer_choice(manifest, options.mode, options.level, options.show_normals,
                                       !options.scalar.field.empty())};

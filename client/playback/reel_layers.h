@@ -13,6 +13,9 @@ namespace pointreel {
 /// files. The layer of scalar fields counts as finer than the finest level.
 std::vector<int> levels_of(const Manifest& manifest);
 
+/// `threads`: how many make frames. `link`: the reel comes over one.
+LayerControl::Options control_options(const Manifest& manifest, unsigned threads, bool link);
+
 /// What is fetched of frames that are prepared in this way, without regard to link and machine.
 LayerDecision wanted_layers(const Manifest& manifest, const PrepareOptions& options);
 

@@ -327,14 +327,23 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
   Stopwatch watch;
   TRY(check(stopped));
   auto frame = TRY(decode(fetched, info.cube, options, stopped));
-  TRY(check(stopped));
+  const double decode_ms = watch.lap();
+  auto scene = TRY(prepare_decoded(std::move(frame), info, options, stopped, record));
+  scene.layers = static_cast<std::uint32_t>(fetched.layers.size());
+  scene.decode_ms = decode_ms;
+  return scene;
+}
 
+Result<SceneFrame> prepare_decoded(DecodedFrame frame, const FrameInfo& info,
+                                   const PrepareOptions& options,
+                                   const std::function<bool()>& stopped,
+                                   std::shared_ptr<const StripRecord>* record) {
+  Stopwatch watch;
+  TRY(check(stopped));
   SceneFrame scene;
   scene.index = info.index;
   scene.time_us = info.time_us;
   scene.points = frame.source_points;
-  scene.layers = static_cast<std::uint32_t>(fetched.layers.size());
-  scene.decode_ms = watch.lap();
   const bool by_scalar = !options.scalar.field.empty();
   const bool lacks_scalar = by_scalar && frame.svo && frame.scalars.empty();
   if (frame.svo) {

@@ -86,4 +86,11 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
                                  const std::function<bool()>& stopped = {},
                                  std::shared_ptr<const StripRecord>* record = nullptr);
 
+/// The same for a frame that is decoded, with nothing in it but what `options` asks for. Layers and
+/// decode_ms are not filled.
+Result<SceneFrame> prepare_decoded(DecodedFrame frame, const FrameInfo& info,
+                                   const PrepareOptions& options,
+                                   const std::function<bool()>& stopped = {},
+                                   std::shared_ptr<const StripRecord>* record = nullptr);
+
 }  // namespace pointreel

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <utility>
 
-#include "codec/video/video_frame.h"
+#include "codec/video/video_decoder.h"
 #include "common/base/try.h"
 
 namespace pointreel {

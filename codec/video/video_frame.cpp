@@ -11,7 +11,6 @@
 #include "codec/video/pixel_depths.h"
 #include "common/base/byte_io.h"
 #include "common/base/concat.h"
-#include "common/base/for_each.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
 
@@ -123,80 +122,52 @@ Chunks<Bytes> video_chunks(int index, const VideoGeometry& geometry, const Bytes
   return chunks;
 }
 
-/// What decoding keeps from frame to frame.
-class VideoDecoder::Group {
- public:
-  static Result<std::unique_ptr<Group>> begin(ByteView header, const DecodeLimits& limits) {
-    const ParsedVideoGroup parsed = TRY(read_video_group(header));
-    if (!parsed.rest.empty()) return fail("the video's header is followed by something");
-    const VideoGroup& info = parsed.group;
-    if (info.pixels() > limits.max_points || info.pixels() * kBytesOfPixel > limits.max_memory)
-      return fail(ErrorCode::limit,
-                  concat("the video's pictures of ", info.width, " x ", info.height,
-                         " pixels take more memory than a frame may"));
-    auto group = std::unique_ptr<Group>(new Group(info));
-    group->depth_ = TRY(Av1Decoder::open({info.width, info.height, 10}));
-    if (info.colors) group->colors_ = TRY(Av1Decoder::open({info.width, info.height, 8}));
-    return group;
-  }
+Result<void> VideoFrameReader::begin(ByteView header, const DecodeLimits& limits) {
+  ParsedVideoGroup parsed = TRY(read_video_group(header));
+  if (!parsed.rest.empty()) return fail("the video's header is followed by something");
+  const VideoGroup& group = parsed.group;
+  if (group.pixels() > limits.max_points || group.pixels() * kBytesOfPixel > limits.max_memory)
+    return fail(ErrorCode::limit,
+                concat("the video's pictures of ", group.width, " x ", group.height,
+                       " pixels take more memory than a frame may"));
+  group_ = std::make_shared<const VideoGroup>(std::move(parsed.group));
+  occupancy_.emplace(*group_);
+  colors_ = group_->colors;
+  next_ = 0;
+  return {};
+}
 
-  int next() const { return next_; }
+Result<CodedVideoFrame> VideoFrameReader::read(const Chunks<ByteView>& chunks,
+                                               const DecodeLimits& limits) {
+  if (read_chunk(chunks.geometry, ChunkKind::geometry, 1, 0)) group_.reset();
+  const auto tag = static_cast<FrameTag>(group_ ? next_ : 0);
+  const ParsedChunk geometry = TRY(read_video_chunk(chunks.geometry, ChunkKind::geometry, tag));
+  const Parts parts = TRY(read_parts(geometry.payload));
+  if (group_ && !parts.group.empty()) return fail("the video's header comes again");
+  if (!group_) TRY(begin(parts.group, limits));
+  if (next_ == group_->frames) return fail("the video's group has more frames than it says");
+  ByteView colors;
+  if (!chunks.colors.empty())
+    colors = TRY(read_video_chunk(chunks.colors, ChunkKind::colors, tag)).payload;
+  colors_ = colors_ && !colors.empty();
+  BlockMask blocks = TRY(occupancy_->decode(parts.occupancy));
+  return CodedVideoFrame{group_,          next_++,     std::move(blocks),
+                         parts.leftovers, parts.depth, colors_ ? colors : ByteView()};
+}
 
-  Result<VideoPictures> decode(const Parts& parts, ByteView colors, const Executor& executor) {
-    if (next_ == info_->frames) return fail("the video's group has more frames than it says");
-    ++next_;
-    if (colors.empty()) colors_.reset();
-    // Before the others: g++ does not destroy the members of what TRY returns from the middle of.
-    BlockMask blocks = TRY(occupancy_.decode(parts.occupancy));
-    VideoPictures pictures{
-        info_, std::move(blocks), {}, {}, Bytes(parts.leftovers.begin(), parts.leftovers.end())};
-    // The two videos at the same time.
-    Result<Av1Picture> depth, color;
-    for_each(executor, colors_ ? 2 : 1, [&](int i) {
-      if (i == 0) {
-        depth = depth_->decode(parts.depth);
-      } else {
-        color = colors_->decode(colors);
-      }
-    });
-    pictures.depth = TRY(std::move(depth));
-    if (colors_) pictures.colors = TRY(std::move(color));
-    return pictures;
-  }
+Result<CodedVideoFrame> VideoFrameReader::next(const Chunks<ByteView>& chunks,
+                                               const DecodeLimits& limits) {
+  auto frame = or_out_of_memory([&] { return read(chunks, limits); });
+  if (!frame) reset();
+  return frame;
+}
 
- private:
-  explicit Group(const VideoGroup& info)
-      : info_(std::make_shared<const VideoGroup>(info)), occupancy_(*info_) {}
-
-  const std::shared_ptr<const VideoGroup> info_;
-  OccupancyCoder occupancy_;
-  std::optional<Av1Decoder> depth_, colors_;
-  int next_ = 0;
-};
-
-VideoDecoder::VideoDecoder() = default;
-VideoDecoder::VideoDecoder(VideoDecoder&&) noexcept = default;
-VideoDecoder& VideoDecoder::operator=(VideoDecoder&&) noexcept = default;
-VideoDecoder::~VideoDecoder() = default;
-
-Result<VideoPictures> VideoDecoder::next(const Chunks<ByteView>& chunks,
-                                         const DecodeLimits& limits) {
-  const auto decode = [&]() -> Result<VideoPictures> {
-    const auto first = read_chunk(chunks.geometry, ChunkKind::geometry, 1, 0);
-    if (first) group_.reset();
-    const auto tag = static_cast<FrameTag>(group_ ? group_->next() : 0);
-    const ParsedChunk geometry = TRY(read_video_chunk(chunks.geometry, ChunkKind::geometry, tag));
-    const Parts parts = TRY(read_parts(geometry.payload));
-    if (group_ && !parts.group.empty()) return fail("the video's header comes again");
-    if (!group_) group_ = TRY(Group::begin(parts.group, limits));
-    ByteView colors;
-    if (!chunks.colors.empty())
-      colors = TRY(read_video_chunk(chunks.colors, ChunkKind::colors, tag)).payload;
-    return group_->decode(parts, colors, limits.executor);
-  };
-  auto pictures = or_out_of_memory(decode);
-  if (!pictures) group_.reset();
-  return pictures;
+VideoPictures undecoded(CodedVideoFrame frame) {
+  return {std::move(frame.group),
+          std::move(frame.blocks),
+          {},
+          {},
+          Bytes(frame.leftovers.begin(), frame.leftovers.end())};
 }
 
 Result<PointCloud> points_of(const VideoPictures& pictures, const DecodeLimits& limits,

@@ -10,7 +10,7 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include "codec/video/video_frame.h"
+#include "codec/video/video_decoder.h"
 #include "pointreel/chunks.h"
 #include "pointreel/codec.h"
 #include "pointreel/error.h"

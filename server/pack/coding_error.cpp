@@ -7,7 +7,7 @@
 
 #include "codec/distance/distance.h"
 #include "codec/surface/normals.h"
-#include "codec/video/video_frame.h"
+#include "codec/video/video_decoder.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "pointreel/draco.h"

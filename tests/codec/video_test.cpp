@@ -12,7 +12,7 @@
 
 #include "codec/video/occupancy.h"
 #include "codec/video/surface_voxels.h"
-#include "codec/video/video_frame.h"
+#include "codec/video/video_decoder.h"
 #include "codec/video/video_group.h"
 #include "codec/video_encode/video_encoder.h"
 #include "pointreel/cloud.h"

@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <optional>
 
-#include "codec/video/video_frame.h"
+#include "codec/video/video_decoder.h"
 #include "common/base/byte_io.h"
 #include "pointreel/codec.h"
 #include "tests/fuzz/target.h"

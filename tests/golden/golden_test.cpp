@@ -16,7 +16,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "codec/video/video_frame.h"
+#include "codec/video/video_decoder.h"
 #include "pointreel/chunks.h"
 #include "pointreel/cpu.h"
 #include "pointreel/draco.h"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "codec/video/video_frame.h"
+#include "codec/video/video_decoder.h"
 #include "codec/video_encode/video_encoder.h"
 #include "common/base/try.h"
 #include "common/file_system/write_file.h"

@@ -9,6 +9,7 @@ import { MadeFrame, ReelPlayback } from "./playback";
 import { Assets, Pool } from "./pool";
 import { Reel, ScalarRange } from "./reel";
 import { Sound, Soundtrack } from "./sound";
+import { whyNoVideo } from "./video_decoder";
 
 /** A link may name any number of live streams, and each takes a connection and memory. */
 const MOST_STREAMS = 16;
@@ -90,7 +91,10 @@ export class Content {
         const bytes = await fetcher.file(reel.text("tablesPath"), reel.tablesBytes, this.signal);
         tables = pool.addTables(bytes, reel.text("tablesChecksum"));
       }
+      const noVideo = reel.groupFrames > 0 ? await whyNoVideo() : null;
+      this.signal.throwIfAborted();
       this.reel = new ReelPlayback(reel, pool, fetcher, tables, options.loop, changed);
+      this.reel.noVideo = noVideo;
       this.reel.clock.seek(options.startUs);
       if (reel.audioBytes > 0) this.sound = new Sound(fetcher.address(reel.text("audioPath"), reel.audioBytes, this.signal));
     } finally {
@@ -163,6 +167,7 @@ export class Content {
     const first = (lines: (string | null)[]) => lines.find((line) => line) ?? null;
     const trouble = first([...[...this.pools.values()].map((pool) => pool.trouble), this.fetcher?.trouble ?? null,
                   ...this.live.map((live) => live.error ?? live.sound.error), this.reel?.error ?? null]);
-    return [this.tooMany, trouble].filter((line) => line).join("; ") || null;
+    const coarse = this.reel?.noVideo ? `only a coarse picture: ${this.reel.noVideo}` : null;
+    return [this.tooMany, coarse, trouble].filter((line) => line).join("; ") || null;
   }
 }

@@ -1,5 +1,6 @@
 // Fetched layers of frames, within a bound, and the runs of bytes to fetch next.
 import { Fetcher } from "./fetching";
+import { FrameChunks } from "./pool";
 import { Layers, Range, Reel } from "./reel";
 
 const MOST_REQUESTS = 6;
@@ -20,6 +21,8 @@ export class LayerStore {
   private runs: Run[] = [];
   /** Damaged or refused: no more is fetched of it. */
   readonly failed = new Map<number, string>();
+  /** Frames of which the base alone is whole. */
+  private readonly bare = new Set<number>();
 
   constructor(private readonly reel: Reel, private readonly fetcher: Fetcher, private readonly most: number,
               private readonly onCame: () => void) {}
@@ -28,23 +31,31 @@ export class LayerStore {
 
   /** How many layers a frame has, from the base on, of those wanted. */
   end(frame: number, wanted: Layers): number {
-    return Math.min(wanted.end, this.rangesOf(frame).length);
+    return Math.min(wanted.end, this.bare.has(frame) ? 1 : this.rangesOf(frame).length);
   }
+  /** From now on, a frame has its base only. */
+  keepBase(frame: number): void { this.bare.add(frame); }
   has(frame: number, end: number): boolean {
-    const layers = this.kept.get(frame);
-    for (let i = 0; i < end; ++i) if (!layers?.[i]) return false;
+    for (let i = 0; i < end; ++i) if (!this.hasLayer(frame, i)) return false;
     return true;
   }
   /** How many layers from the base on have come. */
   have(frame: number): number {
-    const layers = this.kept.get(frame);
     let end = 0;
-    while (layers?.[end]) ++end;
+    while (this.hasLayer(frame, end)) ++end;
     return end;
   }
+  /** With those frames that it is decoded after. */
+  private hasLayer(frame: number, layer: number): boolean {
+    if (!this.kept.get(frame)?.[layer]) return false;
+    for (let other = this.reel.group(frame, layer).first; other < frame; ++other)
+      if (!this.kept.get(other)?.[layer]) return false;
+    return true;
+  }
 
-  /** The chunks of the first layers of a frame, as pr_prepare takes them. */
-  chunks(frame: number, layers: Layers, end: number): { bytes: Uint8Array; sizes: Uint32Array } {
+  /** What a frame is made of. */
+  chunks(frame: number, layers: Layers, end: number): FrameChunks {
+    if (this.reel.groupFrames > 0 && end > 1) return this.video(frame);
     const ranges = this.rangesOf(frame).slice(0, end), kept = this.kept.get(frame)!;
     const sizes = ranges.flatMap(({ sizes: [g, c, n] }) => [g, layers.colors ? c : 0, layers.normals ? n : 0]);
     const bytes = new Uint8Array(sizes.reduce((a, b) => a + b, 0));
@@ -59,7 +70,25 @@ export class LayerStore {
       if (layers.normals) put(g + c, n);
     });
     this.touch(frame);
-    return { bytes, sizes: Uint32Array.from(sizes) };
+    return { bytes, sizes: Uint32Array.from(sizes), video: null };
+  }
+  /** The frame's group, from its beginning, as far as it has come. */
+  private video(frame: number): FrameChunks {
+    const { first, frames } = this.reel.group(frame, 1), sizes: number[] = [], parts: Uint8Array[] = [];
+    for (let other = first; other < first + frames; ++other) {
+      const layer = this.kept.get(other)?.[1];
+      if (!layer) break;
+      parts.push(layer);
+      sizes.push(...this.rangesOf(other)[1]!.sizes);
+      this.touch(other);
+    }
+    const bytes = new Uint8Array(parts.reduce((sum, part) => sum + part.length, 0));
+    let at = 0;
+    for (const part of parts) {
+      bytes.set(part, at);
+      at += part.length;
+    }
+    return { bytes, sizes: Uint32Array.from(sizes), video: { group: first, index: frame - first } };
   }
 
   /**
@@ -74,15 +103,18 @@ export class LayerStore {
       if (i >= begun || this.failed.has(frame)) return;
       for (let layer = 0; layer < end; ++layer) {
         if (this.runs.length >= MOST_REQUESTS) return;
-        if (this.kept.get(frame)?.[layer] || this.isComing(frame, layer)) continue;
+        if (this.hasLayer(frame, layer) || this.isComing(frame, layer)) continue;
         this.start(frame, layer, i < urgent ? 1 : run, wanted);
       }
     });
   }
-  /** What was fetched of a frame is damaged: it is fetched once more. */
+  /** What was fetched of a frame is damaged: it is fetched once more, with its group. */
   forget(frame: number): void {
-    for (const layer of this.kept.get(frame) ?? []) this.bytes -= layer?.length ?? 0;
-    this.kept.delete(frame);
+    const { first, frames } = this.reel.group(frame, 1);
+    for (let other = first; other < first + frames; ++other) {
+      for (const layer of this.kept.get(other) ?? []) this.bytes -= layer?.length ?? 0;
+      this.kept.delete(other);
+    }
     this.fetcher.forgetFiles();
   }
   free(): void { for (const run of this.runs) run.abort.abort(); }
@@ -114,19 +146,22 @@ export class LayerStore {
   }
 
   private start(frame: number, layer: number, most: number, wanted: ReadonlyMap<number, number>): void {
-    const segment = this.reel.segment(frame);
+    const segment = this.reel.segment(frame), group = this.reel.group(frame, layer);
     const fits = (other: number) =>
       other >= segment.firstFrame && other < segment.firstFrame + segment.frames &&
       (wanted.get(other) ?? 0) > layer && this.sizeOf(other, layer) > 0 && !this.kept.get(other)?.[layer] &&
       !this.isComing(other, layer) && !this.failed.has(other);
-    let first = frame, last = frame, bytes = this.sizeOf(frame, layer);
+    let first = group.first, last = group.first + group.frames - 1, bytes = 0;
+    for (let other = first; other <= last; ++other) bytes += this.sizeOf(other, layer);
     const grow = (other: number) => {
       if (last - first + 1 >= most || !fits(other)) return false;
       bytes += this.sizeOf(other, layer);
       return bytes <= RUN_BYTES || last - first + 1 < most / 2;
     };
-    while (grow(last + 1)) ++last;
-    while (grow(first - 1)) --first;  // backward play
+    if (group.frames === 1) {
+      while (grow(last + 1)) ++last;
+      while (grow(first - 1)) --first;  // backward play
+    }
     const run: Run = { layer, first, last, abort: new AbortController() };
     this.runs.push(run);
     const from = this.rangesOf(first)[layer]!.offset;
@@ -149,6 +184,7 @@ export class LayerStore {
       const range = this.rangesOf(frame)[run.layer];
       if (!range) continue;
       const layers = this.kept.get(frame) ?? [];
+      if (layers[run.layer]) continue;
       const at = range.offset - from;
       // A copy, so that a frame that stays does not keep the bytes of its neighbours.
       layers[run.layer] = body.slice(at, at + this.sizeOf(frame, run.layer));

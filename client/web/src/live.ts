@@ -197,7 +197,7 @@ export class LivePlayback {
     const how = preparation(look, WHOLE_FRAME, f[0]!, f[1]!, [0, 0, 0, 1], DECODE_BYTES, this.scalars);
     const key = nextKey++, { number } = look, shownAt = { capture: f[1]! / 1000, held: this.hold.held };
     this.busy = true;
-    pool.prepare(worker, key, bytes, sizes, 0, how, viewOf(look, this.place)).then((done) => {
+    pool.prepare(worker, key, { bytes, sizes, video: null }, 0, how, viewOf(look, this.place)).then((done) => {
       const old = this.shown;
       if (old && old.life === pool.life(old.worker)) pool.drop(old.worker, [old.key]);
       this.shown = { ...kindOf(look), frame: f[0]!, worker, life, key, layers: f[2]!, level: WHOLE_FRAME,

@@ -13,13 +13,19 @@ export interface LoadTables {
   bytes: Uint8Array;
   checksum: string;
 }
+/** A frame's group of video, which has a number of its own, and its place in it. */
+export interface VideoPlace {
+  group: number;
+  index: number;
+}
 export interface Prepare {
   type: "prepare";
   job: number;
   key: number;
   bytes: Uint8Array;
-  /** Of geometry, colours and normals of each layer. */
+  /** Of geometry, colours and normals of each layer; of video, of each frame of the group. */
   sizes: Uint32Array;
+  video: VideoPlace | null;
   /** 0: none. */
   tables: number;
   /** PrPrepare. */
@@ -62,6 +68,8 @@ export interface Failed {
   message: string;
   /** The module trapped: its worker must be replaced. */
   trapped: boolean;
+  /** The browser does not decode the video. */
+  noVideo: boolean;
 }
 export interface Opened {
   type: "opened";

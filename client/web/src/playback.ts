@@ -5,7 +5,7 @@ import { Fetcher } from "./fetching";
 import { LayerStore } from "./layer_store";
 import { Times } from "./messages";
 import { FrameFacts, Packed, WHOLE_FRAME } from "./module";
-import { LostJob, Pool } from "./pool";
+import { LostJob, Pool, UndecodableVideo } from "./pool";
 import { LayerControl, Layers, Reel } from "./reel";
 import { fits, Kind, kindOf, Look, preparation, viewOf } from "./view";
 
@@ -43,10 +43,14 @@ export class ReelPlayback {
   readonly store: LayerStore;
   readonly counts: Counts = { shown: 0, dropped: 0, errors: 0, stalls: 0 };
   readonly damaged = new Map<number, string>();
+  /** Not even the base of these can be shown. */
+  private readonly hopeless = new Set<number>();
   shown: MadeFrame | null = null;
   /** The last decision: how many layers, and why not more (PrLimit). */
   limit = 0;
   wanted: Layers = { first: 0, end: 1, colors: 1, normals: 1 };
+  /** Why no video is decoded, and only the octrees below it are shown; or null. */
+  noVideo: string | null = null;
   /** Why the current frame cannot be shown. */
   error: string | null = null;
   scrubbing = false;
@@ -155,7 +159,7 @@ export class ReelPlayback {
         Math.min(1, fetched / window), Math.min(fetched, ahead) / ahead, Math.min(made, ahead) / ahead,
         this.ahead.next), kindOf(look));
     }
-    const decision = this.control.decide(kindOf(look), this.level);
+    const decision = this.control.decide(kindOf(look), this.level, this.noVideo === null ? 255 : 1);
     this.wanted = decision.layers;
     this.limit = decision.limit;
   }
@@ -187,7 +191,7 @@ export class ReelPlayback {
     frames.forEach((f, i) => {
       const end = this.store.end(f, this.wanted), have = Math.min(end, this.store.have(f));
       if (i > 0 && this.isGood(this.made.get(f), look, end)) ++made;
-      if (have === 0 || this.damaged.has(f)) return;
+      if (have === 0 || this.hopeless.has(f)) return;
       // A coarse picture of what is waited for is better than none.
       const isUrgent = i === 0 && !this.isGood(this.made.get(f), look, 1);
       if (have < end && !isUrgent) return;
@@ -200,12 +204,12 @@ export class ReelPlayback {
   }
 
   private makeOne(look: Look, frame: number, end: number, worker: number): void {
-    const { bytes, sizes } = this.store.chunks(frame, this.wanted, end);
+    const chunks = this.store.chunks(frame, this.wanted, end);
     const segment = this.reel.segment(frame), key = nextKey++, { number } = look;
     const level = this.level, life = this.pool.life(worker);
     const how = preparation(look, level, frame, this.reel.timesUs[frame]!, segment.cube, DECODE_BYTES, this.reel.scalars);
     this.making.set(frame, end);
-    this.pool.prepare(worker, key, bytes, sizes, this.tables, how, viewOf(look)).then((done) => {
+    this.pool.prepare(worker, key, chunks, this.tables, how, viewOf(look)).then((done) => {
       this.control.made(end, done.times.prepareMs);
       const old = this.made.get(frame);
       if (old) this.drop(old);
@@ -213,9 +217,15 @@ export class ReelPlayback {
                              packed: done.packed, look: number, times: done.times });
     }).catch((error: Error) => {
       if (error instanceof LostJob) return;
+      if (error instanceof UndecodableVideo) {
+        this.noVideo = error.message;
+        return;
+      }
       this.counts.errors += 1;
       if (this.refetched.has(frame)) {
         this.damaged.set(frame, `frame ${frame}: ${error.message}`);
+        if (end > 1) this.store.keepBase(frame);
+        else this.hopeless.add(frame);
       } else {
         this.refetched.add(frame);
         this.store.forget(frame);

@@ -1,8 +1,10 @@
 // The workers: who does which job, and what is done about one that traps or hangs.
 import { WORKERS } from "./device";
-import { Done, FromWorker, ToWorker } from "./messages";
+import { Done, FromWorker, ToWorker, VideoPlace } from "./messages";
 import { Preparation } from "./view";
 
+/** The browser does not decode video; the message says why. */
+export class UndecodableVideo extends Error {}
 /** The job was lost through no fault of its own, and may be given to a worker again. */
 export class LostJob extends Error {}
 
@@ -44,6 +46,13 @@ class Hand {
   life = 0;
 }
 
+/** What a frame is made of, as Prepare has it. */
+export interface FrameChunks {
+  bytes: Uint8Array;
+  sizes: Uint32Array;
+  video: VideoPlace | null;
+}
+
 export class Pool {
   private readonly hands: Hand[] = [];
   private readonly tables: ToWorker[] = [];
@@ -83,9 +92,9 @@ export class Pool {
     return this.nextTables++;
   }
 
-  prepare(worker: number, key: number, bytes: Uint8Array, sizes: Uint32Array, tables: number,
-          how: Preparation, view: Float64Array): Promise<Done> {
-    return this.ask(worker, { type: "prepare", job: this.nextJob++, key, bytes, sizes, tables, ...how, view },
+  prepare(worker: number, key: number, chunks: FrameChunks, tables: number, how: Preparation, view: Float64Array): Promise<Done> {
+    const { bytes, sizes, video } = chunks;
+    return this.ask(worker, { type: "prepare", job: this.nextJob++, key, bytes, sizes, video, tables, ...how, view },
                     [bytes.buffer]);
   }
   pack(worker: number, key: number, view: Float64Array): Promise<Done> {
@@ -140,7 +149,7 @@ export class Pool {
       waiting?.resolve(data);
       return;
     }
-    waiting?.reject(new Error(data.trapped ? "the decoder failed" : data.message));
+    waiting?.reject(data.noVideo ? new UndecodableVideo(data.message) : new Error(data.trapped ? "the decoder failed" : data.message));
     if (data.trapped) this.replace(hand);
   }
 

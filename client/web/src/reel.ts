@@ -31,7 +31,7 @@ export interface Segment {
 
 const TEXT = { name: 0, codec: 1, entropy: 2, layer: 3, tablesPath: 4, tablesChecksum: 5, session: 6, audioPath: 7, scalar: 8 };
 /** PrReelInfo. */
-const INFO_NUMBERS = 26;
+const INFO_NUMBERS = 27;
 const layersIn = (words: Int32Array): Layers =>
   ({ first: words[0]!, end: words[1]!, colors: words[2]!, normals: words[3]! });
 
@@ -60,6 +60,8 @@ export class Reel {
   /** 0: it has no sound. */
   readonly audioBytes: number;
   readonly scalars: readonly ScalarRange[];
+  /** Frames of a group whose video is decoded together; 0: it has no video. */
+  readonly groupFrames: number;
   readonly timesUs: Float64Array;
   private readonly files = new Map<number, string>();
 
@@ -76,6 +78,7 @@ export class Reel {
     this.tablesBytes = i[19]!;
     this.audioBytes = i[24]!;
     this.scalars = scalarsOf(module, handle);
+    this.groupFrames = i[26]!;
     this.timesUs = module.doubles(module.call("pr_reel_times", handle), this.frames);
   }
   static read(module: Module, manifest: Uint8Array): Reel {
@@ -88,6 +91,12 @@ export class Reel {
   segment(frame: number): Segment {
     const s = this.module.doubles(this.module.call("pr_reel_segment", this.handle, frame), 7);
     return { number: s[0]!, firstFrame: s[1]!, frames: s[2]!, cube: [s[3]!, s[4]!, s[5]!, s[6]!] };
+  }
+  /** The frames whose chunks of a layer are of use only together, for a frame of them. */
+  group(frame: number, layer: number): { first: number; frames: number } {
+    if (this.groupFrames === 0 || layer === 0) return { first: frame, frames: 1 };
+    const [first, frames] = this.module.doubles(this.module.call("pr_reel_group", this.handle, frame), 2);
+    return { first: first!, frames: frames! };
   }
   file(segment: number, layer: number): string {
     const key = segment * 8 + layer;
@@ -138,9 +147,10 @@ export class LayerControl {
     const [at] = this.reel.module.put(situation);
     this.reel.module.call("pr_control_update", this.handle, at!, ...numbersOf(kind));
   }
-  decide(kind: Kind, level: number): { layers: Layers; limit: number } {
+  /** `most`: no more layers are of use. */
+  decide(kind: Kind, level: number, most: number): { layers: Layers; limit: number } {
     const [mode, normals, scalars] = numbersOf(kind);
-    const at = this.reel.module.call("pr_control_decide", this.handle, mode, level, normals, scalars, 255);
+    const at = this.reel.module.call("pr_control_decide", this.handle, mode, level, normals, scalars, most);
     const words = this.reel.module.ints(at, 5);
     return { layers: layersIn(words), limit: words[4]! };
   }

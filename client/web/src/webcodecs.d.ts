@@ -1,4 +1,33 @@
 // What the player uses of WebCodecs, which TypeScript's DOM library does not have.
+interface VideoFrameLike {
+  readonly format: string | null;
+  readonly timestamp: number;
+  readonly codedWidth: number;
+  readonly codedHeight: number;
+  copyTo(destination: ArrayBufferView, options: {
+    rect: { x: number; y: number; width: number; height: number };
+    layout: { offset: number; stride: number }[];
+  }): Promise<unknown>;
+  close(): void;
+}
+interface VideoConfig {
+  codec: string;
+  codedWidth: number;
+  codedHeight: number;
+  hardwareAcceleration: "prefer-software";
+  optimizeForLatency: boolean;
+}
+declare class EncodedVideoChunk {
+  constructor(init: { type: "key" | "delta"; timestamp: number; data: Uint8Array });
+}
+declare class VideoDecoder {
+  static isConfigSupported(config: VideoConfig): Promise<{ supported: boolean }>;
+  constructor(init: { output(frame: VideoFrameLike): void; error(error: DOMException): void });
+  readonly state: "unconfigured" | "configured" | "closed";
+  configure(config: VideoConfig): void;
+  decode(chunk: EncodedVideoChunk): void;
+  close(): void;
+}
 interface AudioData {
   readonly numberOfFrames: number;
   readonly numberOfChannels: number;

@@ -1,17 +1,22 @@
 // A worker: makes frames ready to draw and packs what a camera sees of them.
 import { Done, FromWorker, Pack, Prepare, ToWorker } from "./messages";
 import { encode, frameFacts, Module, ModuleError, pack } from "./module";
+import { NoVideo, VideoError } from "./video_decoder";
+import { VideoGroups } from "./video_groups";
 
 declare function postMessage(message: FromWorker, transfer?: Transferable[]): void;
 
 let module: Module;
+let videos: VideoGroups;
 const reelTables = new Map<number, number>();
 
-function prepare(job: Prepare): void {
+async function prepare(job: Prepare): Promise<void> {
+  const tables = reelTables.get(job.tables) ?? 0;
+  if (job.video) return videos.prepare(job, tables);
   const name = encode(job.field);
   const [bytes, sizes, options, field, scalar] = module.put(job.bytes, job.sizes, job.options, name, job.scalar);
   module.check("pr_prepare", job.key, bytes!, sizes!, job.sizes.length / 3,
-               reelTables.get(job.tables) ?? 0, options!, field!, name.length, scalar!);
+               tables, options!, field!, name.length, scalar!);
 }
 
 function packed(job: Prepare | Pack, prepareMs: number): void {
@@ -27,12 +32,13 @@ function packed(job: Prepare | Pack, prepareMs: number): void {
 
 async function open(compiled: WebAssembly.Module, tables: Uint8Array): Promise<void> {
   module = await Module.create(compiled);
+  videos = new VideoGroups(module);
   const [bytes] = module.put(tables);
   module.check("pr_load_tables", bytes!, tables.length);
   postMessage({ type: "opened" });
 }
 
-function act(message: ToWorker): void | Promise<void> {
+async function act(message: ToWorker): Promise<void> {
   switch (message.type) {
     case "open":
       return open(message.compiled, message.tables);
@@ -45,7 +51,7 @@ function act(message: ToWorker): void | Promise<void> {
     }
     case "prepare": {
       const start = performance.now();
-      prepare(message);
+      await prepare(message);
       return packed(message, performance.now() - start);
     }
     case "pack":
@@ -55,11 +61,15 @@ function act(message: ToWorker): void | Promise<void> {
   }
 }
 
-onmessage = async ({ data }: MessageEvent<ToWorker>) => {
+async function answer(message: ToWorker): Promise<void> {
   try {
-    await act(data);
+    await act(message);
   } catch (error) {
-    postMessage({ type: "failed", job: "job" in data ? data.job : -1, message: String((error as Error).message),
-                  trapped: !(error instanceof ModuleError) });
+    postMessage({ type: "failed", job: "job" in message ? message.job : -1, message: String((error as Error).message),
+                  trapped: !(error instanceof ModuleError || error instanceof VideoError), noVideo: error instanceof NoVideo });
   }
-};
+}
+
+/** One after another: a frame of video waits for the browser's decoder. */
+let last = Promise.resolve();
+onmessage = ({ data }: MessageEvent<ToWorker>) => { last = last.then(() => answer(data)); };

@@ -4,11 +4,11 @@ import { chromium } from "playwright-core";
 /**
  * `angle`: what draws. "gl-egl" is the system's OpenGL, which the desktop player draws with, too. "swiftshader" is what
  * Chromium has without a graphics card; it takes a second more to compile the page's shaders. The two place points and
- * the edges of triangles with different precision.
+ * the edges of triangles with different precision. `more`: further arguments of Chromium.
  */
-export const openBrowser = (angle = "gl-egl") => chromium.launch({
+export const openBrowser = (angle = "gl-egl", more = []) => chromium.launch({
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-  args: ["--no-sandbox", `--use-angle=${angle}`, "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
+  args: ["--no-sandbox", `--use-angle=${angle}`, "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", ...more],
 });
 
 /** Waits until a question has the answer true. The page's policy forbids what Playwright has for this. */

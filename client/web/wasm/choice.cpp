@@ -71,8 +71,8 @@ std::int32_t pr_level_of_layers(const PrReel* reel, std::uint32_t layers) {
 }
 
 PrControl* pr_control_new(const PrReel* reel, std::uint32_t workers, std::int32_t link) {
-  const auto layers = static_cast<std::uint32_t>(levels_of(reel->manifest).size());
-  return new PrControl{reel->manifest, LayerControl({layers, workers, link != 0})};
+  return new PrControl{reel->manifest,
+                       LayerControl(control_options(reel->manifest, workers, link != 0))};
 }
 
 void pr_control_free(PrControl* control) { delete control; }

@@ -24,6 +24,7 @@
 #include "client/web/wasm/module.h"
 #include "client/web/wasm/numbers.h"
 #include "client/web/wasm/tables.h"
+#include "client/web/wasm/video.h"
 
 using namespace pointreel;
 
@@ -68,23 +69,35 @@ Shown shown_scalar(std::string_view field, const PrScalar* scalar) {
   return shown;
 }
 
-PrError prepare(std::uint32_t key, const FetchedFrame& fetched, const PrPrepare& wanted,
-                Shown scalar) {
+PrepareOptions options_of(const PrPrepare& wanted) {
   PrepareOptions options;
-  options.scalar = std::move(scalar.choice);
   options.mode = static_cast<DrawMode>(static_cast<int>(wanted.mode));
   options.level = static_cast<int>(wanted.level);
   if (wanted.delta >= 0.0) options.delta = wanted.delta;
   options.show_normals = wanted.show_normals != 0.0;
   if (wanted.max_memory > 0.0) options.max_memory = static_cast<std::uint64_t>(wanted.max_memory);
-  const FrameInfo info{static_cast<std::uint32_t>(wanted.index),
-                       static_cast<std::uint64_t>(wanted.time_us),
-                       {vector_of(wanted.cube_origin), wanted.cube_edge},
-                       std::move(scalar.source)};
-  auto frame = prepare_frame(fetched, info, options);
+  return options;
+}
+
+FrameInfo info_of(const PrPrepare& wanted) {
+  return {static_cast<std::uint32_t>(wanted.index),
+          static_cast<std::uint64_t>(wanted.time_us),
+          {vector_of(wanted.cube_origin), wanted.cube_edge}};
+}
+
+PrError keep(std::uint32_t key, Result<SceneFrame> frame) {
   if (!frame) return report(frame.error());
   frames.insert_or_assign(key, std::make_shared<const SceneFrame>(*std::move(frame)));
   return PR_OK;
+}
+
+PrError prepare(std::uint32_t key, const FetchedFrame& fetched, const PrPrepare& wanted,
+                Shown scalar) {
+  PrepareOptions options = options_of(wanted);
+  options.scalar = std::move(scalar.choice);
+  FrameInfo info = info_of(wanted);
+  info.scalars = std::move(scalar.source);
+  return keep(key, prepare_frame(fetched, info, options));
 }
 
 const std::shared_ptr<const SceneFrame>* find(std::uint32_t key) {
@@ -130,6 +143,25 @@ PrError pr_prepare_file(std::uint32_t key, const std::uint8_t* bytes, std::uint3
   fetched.file = Bytes(bytes, bytes + size);
   fetched.file_name.assign(name, name_size);
   return prepare(key, fetched, *options, {});
+}
+
+PrError pr_prepare_video(std::uint32_t key, const PrVideoFrame* frame, const std::uint16_t* depth,
+                         const std::uint8_t* colors, const PrTables* tables,
+                         const PrPrepare* wanted) {
+  const PrepareOptions options = options_of(*wanted);
+  const FrameInfo info = info_of(*wanted);
+  DecodeLimits limits;
+  limits.max_memory = options.max_memory;
+  if (tables != nullptr) limits.tables = tables->tables.get();
+  auto cloud = video_points(*frame, depth, colors, limits);
+  if (!cloud) return report(cloud.error());
+  DecodedFrame decoded;
+  decoded.cloud = *std::move(cloud);
+  decoded.cube = info.cube;
+  decoded.source_points = static_cast<std::uint32_t>(decoded.cloud.size());
+  auto scene = prepare_decoded(std::move(decoded), info, options);
+  if (scene) scene->layers = 2;
+  return keep(key, std::move(scene));
 }
 
 const PrFrame* pr_frame(std::uint32_t key) {

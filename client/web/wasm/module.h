@@ -84,7 +84,7 @@ struct PrReelInfo {
   double frames;
   double duration_us;  ///< of one pass; > 0 if there are frames
   double fps;          ///< nominal
-  double codec;        ///< 1 octree, 2 Draco
+  double codec;        ///< 1 octree, 2 Draco, 3 video
   double layers;       ///< at least 1
   double segments;
   double depth_min, depth_max;
@@ -102,8 +102,9 @@ struct PrReelInfo {
   double live_ended;        ///< no publisher is connected at the moment
   double audio_bytes;       ///< size of the file of sound; 0: it has none
   double scalars;           ///< scalar fields that any frame has
+  double group_frames;      ///< of video: PrGroup; otherwise 0
 };
-static_assert(sizeof(PrReelInfo) == 26 * 8);
+static_assert(sizeof(PrReelInfo) == 27 * 8);
 
 /// The bytes of a reel.json.
 PR_EXPORT(PrReel*, pr_reel_new)(const char* text, std::uint32_t size);
@@ -113,7 +114,7 @@ PR_EXPORT(const PrReelInfo*, pr_reel_info)(const PrReel* reel);
 
 enum PrText : std::int32_t {
   PR_TEXT_NAME = 0,             ///< for people
-  PR_TEXT_CODEC = 1,            ///< "octree", "draco"
+  PR_TEXT_CODEC = 1,            ///< "octree", "draco", "video"
   PR_TEXT_ENTROPY = 2,          ///< "none", "zstd", "context", ""
   PR_TEXT_LAYER = 3,            ///< the name of layer `index`
   PR_TEXT_TABLES_PATH = 4,      ///< beside reel.json; empty if it has none
@@ -145,6 +146,13 @@ struct PrSegment {
 static_assert(sizeof(PrSegment) == 7 * 8);
 /// The segment that holds a frame below PrReelInfo::frames.
 PR_EXPORT(const PrSegment*, pr_reel_segment)(const PrReel* reel, std::uint32_t frame);
+/// Frames of a segment whose video is decoded from the first of them on. Without video, the frame
+/// alone.
+struct PrGroup {
+  double first_frame, frames;
+};
+static_assert(sizeof(PrGroup) == 2 * 8);
+PR_EXPORT(const PrGroup*, pr_reel_group)(const PrReel* reel, std::uint32_t frame);
 /// The file of one layer of a segment, relative to reel.json.
 PR_EXPORT(const char*, pr_reel_file)
 (const PrReel* reel, std::uint32_t segment, std::uint32_t layer);
@@ -388,6 +396,32 @@ PR_EXPORT(PrError, pr_prepare)
 PR_EXPORT(PrError, pr_prepare_file)
 (std::uint32_t key, const std::uint8_t* bytes, std::uint32_t size, const char* name,
  std::uint32_t name_size, const PrPrepare* options);
+
+/// The video of a group (codec/video/video_frame.h). The browser decodes AV1, the module the rest.
+struct PrVideo;
+PR_EXPORT(PrVideo*, pr_video_new)();
+PR_EXPORT(void, pr_video_free)(PrVideo* video);
+
+/// A frame of a group that was read, but for its pictures. It may outlive its PrVideo.
+struct PrVideoFrame {
+  double width, height;  ///< of both pictures
+  /// Where the temporal units of AV1 lie in the bytes that the frame was read from. Depth: 10 bits,
+  /// 4:2:0. Colours: 8 bits, 4:2:0; without them, their size is 0.
+  double depth_at, depth_size, colors_at, colors_size;
+};
+static_assert(sizeof(PrVideoFrame) == 6 * 8);
+/// Reads the next frame of a group, or the first one of a new group, from its chunks. `sizes`: of
+/// geometry, colours and normals. `max_memory` as in PrPrepare.
+PR_EXPORT(PrVideoFrame*, pr_video_read)
+(PrVideo* video, const std::uint8_t* bytes, const std::uint32_t* sizes, double max_memory);
+PR_EXPORT(void, pr_video_frame_free)(PrVideoFrame* frame);
+
+/// pr_prepare for a frame of video and its pictures: planes of width x height, without gaps.
+/// `depth` is luma in 16 bits. `colors` is luma, then Cb and Cr of half the width and height; 0 if
+/// it has none. The frame is not needed after that, and not freed.
+PR_EXPORT(PrError, pr_prepare_video)
+(std::uint32_t key, const PrVideoFrame* frame, const std::uint16_t* depth,
+ const std::uint8_t* colors, const PrTables* tables, const PrPrepare* options);
 
 struct PrFrame {
   double index, time_us;

@@ -28,26 +28,19 @@ void copy(const glm::dvec3& from, double* to) {
   for (int i = 0; i < 3; ++i) to[i] = from[i];
 }
 
-/// The reel without its video: octrees of few levels.
-void keep_base(Manifest& manifest) {
-  manifest.codec = "octree";
-  manifest.group_frames = 0;
-  manifest.layer_names.resize(1);
-  for (Segment& segment : manifest.segments) segment.layers.resize(1);
-  manifest.depth_max = std::min<std::uint32_t>(manifest.depth_max, kVideoBaseLevel);
-  manifest.depth_min = std::min(manifest.depth_min, manifest.depth_max);
+double number_of_codec(const std::string& name) {
+  return name == "octree" ? 1 : name == "draco" ? 2 : 3;
 }
 
 }  // namespace
 
 PrReel pointreel::reel_of(Manifest manifest) {
-  if (manifest.codec == "video") keep_base(manifest);
   PrReel reel;
   PrReelInfo& info = reel.info;
   info.frames = manifest.frame_count();
   info.duration_us = static_cast<double>(manifest.duration_us);
   info.fps = manifest.fps;
-  info.codec = manifest.codec == "octree" ? 1 : 2;
+  info.codec = number_of_codec(manifest.codec);
   info.layers = static_cast<double>(std::max<std::size_t>(1, manifest.layer_names.size()));
   info.segments = static_cast<double>(manifest.segments.size());
   info.depth_min = manifest.depth_min;
@@ -61,6 +54,7 @@ PrReel pointreel::reel_of(Manifest manifest) {
   info.max_error = manifest.max_error.value_or(-1.0);
   info.tables_bytes = manifest.tables ? static_cast<double>(manifest.tables->bytes) : 0.0;
   info.scalars = static_cast<double>(manifest.scalars.size());
+  info.group_frames = manifest.group_frames;
   info.audio_bytes = manifest.audio ? static_cast<double>(manifest.audio->bytes) : 0.0;
   if (manifest.live) {
     info.live = 1;
@@ -138,6 +132,18 @@ const PrSegment* pr_reel_segment(const PrReel* reel, std::uint32_t frame) {
   return &segment;
 }
 
+const PrGroup* pr_reel_group(const PrReel* reel, std::uint32_t frame) {
+  static PrGroup group;
+  const Manifest& manifest = reel->manifest;
+  const FrameLocation place = locate(manifest, frame);
+  const std::uint32_t length = std::max(1u, manifest.group_frames);
+  const std::uint32_t before = place.index % length;
+  const std::uint32_t rest = manifest.segments[place.segment].frame_count() - place.index;
+  group = {static_cast<double>(frame - before),
+           static_cast<double>(std::min(length, before + rest))};
+  return &group;
+}
+
 const char* pr_reel_file(const PrReel* reel, std::uint32_t number, std::uint32_t layer) {
   return reel->manifest.segments[number].layers[layer].path.c_str();
 }
@@ -157,8 +163,12 @@ const PrRange* pr_reel_ranges(const PrReel* reel, std::uint32_t frame, const PrL
   }
   double layer = layers->first;
   for (const FileRange& range : *wanted) {
+    std::uint64_t offset = range.offset;
+    if (!range.group.empty())  // which begins there
+      for (const Chunks<std::uint32_t>& sizes : range.group.first(range.index))
+        offset += total(sizes);
     ranges.push_back(
-        {layer++, static_cast<double>(range.offset), static_cast<double>(range.sizes.geometry),
+        {layer++, static_cast<double>(offset), static_cast<double>(range.sizes.geometry),
          static_cast<double>(range.sizes.colors), static_cast<double>(range.sizes.normals)});
   }
   return ranges.data();

@@ -1,0 +1,84 @@
+// node video.mjs BUILD FOLDER: a reel of layered video in the page. It plays, seeks go to exact frames of any group, and where
+// video cannot be decoded or is damaged, the octree below it is shown, with a line that says why.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { join } from "node:path";
+import { test } from "node:test";
+import { openBrowser, settled, until } from "./browser.mjs";
+import { serve } from "./serve.mjs";
+import { ask, openTab } from "./tab.mjs";
+
+const [build, folder] = process.argv.slice(2), page = join(build, "web"), reel = join(folder, "video");
+execFileSync(join(build, "bin/pointreel-server"),
+             ["pack", "-i", join(folder, "clouds"), "-o", reel, "--clean", "off", "--codec", "video"], { stdio: "ignore" });
+const { server, port } = await serve(page, [reel]);
+const browser = await openBrowser();
+const seek = async (tab, frame) => {
+  await ask(tab, `player.currentTime = player.player.reel.reel.timesUs[${frame}] / 1e6`);
+  await settled(tab);
+  assert.equal(await ask(tab, "player.frame"), frame);
+};
+const layers = (tab) => ask(tab, "player.player.reel.shown.layers");
+test("a reel of video plays, and a seek shows exactly that frame", async () => {
+  const { tab, close } = await openTab(browser, `http://127.0.0.1:${port}/video#t=0`);
+  await settled(tab);
+  const first = await ask(tab, "player.player.reel.shown.facts.points");
+  // Into the middle of a group, its beginning, its end, and backward in one.
+  for (const frame of [41, 16, 15, 47, 44, 0, 89]) {
+    await seek(tab, frame);
+    assert.equal(await layers(tab), 2);
+    assert.ok(await ask(tab, "player.player.drawn") > 1000);
+  }
+  await seek(tab, 0);
+  assert.equal(await ask(tab, "player.player.reel.shown.facts.points"), first);
+  await ask(tab, "player.play()");
+  await until(tab, () => {
+    const { frame, player } = document.querySelector("pointreel-player");
+    return frame > 20 && frame < 80 && player.reel.shown.layers === 2;
+  }, "the reel plays beyond a group");
+  assert.equal(await ask(tab, "player.player.trouble"), null);
+  await close();
+});
+
+test("it plays backward", async () => {
+  const { tab, close } = await openTab(browser, `http://127.0.0.1:${port}/video#t=1`);
+  await settled(tab);
+  await ask(tab, "(player.playbackRate = -1, player.play())");
+  await until(tab, () => {
+    const { frame, player } = document.querySelector("pointreel-player");
+    return frame < 14 && player.reel.shown.layers === 2;
+  }, "the reel plays into the group before");
+  assert.equal(await ask(tab, "player.player.trouble"), null);
+  await close();
+});
+
+test("a damaged frame of video shows its octree, and says so; other groups are whole", async () => {
+  const other = await serve(page, [reel], [], { damage: (path, bytes) => {
+    // The first group of the first segment.
+    if (/\.video\./.test(path)) for (let i = 3000; i < Math.min(bytes.length, 3400); ++i) bytes[i] ^= 0x55;
+    return bytes;
+  } });
+  const { tab, close } = await openTab(browser, `http://127.0.0.1:${other.port}/video#t=0`);
+  await until(tab, () => document.querySelector("pointreel-player")?.player.reel?.shown, "a picture is shown");
+  await ask(tab, "player.currentTime = player.player.reel.reel.timesUs[12] / 1e6");
+  await until(tab, () => /frame 12: /.test(document.querySelector("pointreel-player").player.trouble ?? ""), "the damage is named");
+  await until(tab, () => document.querySelector("pointreel-player").player.reel.shown?.frame === 12, "the octree is shown");
+  assert.equal(await layers(tab), 1);
+  await close();
+  other.server.close();
+});
+
+test("a page from plain http shows the octree, and says what helps", async () => {
+  const plain = await openBrowser("gl-egl", ["--host-resolver-rules=MAP plain.test 127.0.0.1"]);
+  const { tab, close } = await openTab(plain, `http://plain.test:${port}/video#t=0`);
+  await settled(tab);
+  assert.equal(await layers(tab), 1);
+  assert.match(await ask(tab, "player.player.trouble"), /only a coarse picture: .*https:\/\/ or localhost/);
+  await close();
+  await plain.close();
+});
+
+test.after(async () => {
+  await browser.close();
+  server.close();
+});

@@ -12,7 +12,12 @@ bool draws_normals(DrawMode mode, bool colored, bool shown) {
   return shown || mode == DrawMode::surfel || mode == DrawMode::strip || !colored;
 }
 
+/// Nodes are judged by the mean silhouette of a cube, 1.5 faces (cut.h); pixels of video lie on the
+/// surface, and may be wider by the root of that.
+constexpr float kSurfacePixel = 1.2247449f;
+
 int level_for(const Manifest& manifest, const Camera& camera, glm::ivec2 size, float pixel_size) {
+  if (manifest.codec == "video") pixel_size *= kSurfacePixel;
   int level = 0;
   // Frames may have cubes of their own within that of the bounds (--cube frame). The larger the
   // cube, the more levels are needed.

@@ -87,6 +87,7 @@ Result<DecodedFrame> decode(const FetchedFrame& fetched, const Cube& cube,
   limits.scalar = options.scalar.field;
   limits.depth = limits.scalars ? kWholeFrame : options.level;
   limits.normals_depth = normals_level(options);
+  limits.spacing = spacing_for(options, cube);
   auto frame = decode_fetched(fetched, limits);
   if (fetched.layers.empty()) return frame;
   // A cloud without a tree of its own gets one in the cube that all frames of its segment share, so
@@ -320,6 +321,11 @@ FrameInfo frame_info(const Manifest& manifest, std::uint32_t index) {
   return {index, frame_time_us(manifest, index), segment.cube, manifest.scalars};
 }
 
+double spacing_for(const PrepareOptions& options, const Cube& cube) {
+  const bool any = options.mode == DrawMode::surfel || options.mode == DrawMode::point;
+  return any && options.level < kWholeFrame ? std::ldexp(cube.edge, -options.level) : 0.0;
+}
+
 Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& info,
                                  const PrepareOptions& options,
                                  const std::function<bool()>& stopped,
@@ -369,6 +375,7 @@ Result<SceneFrame> prepare_decoded(DecodedFrame frame, const FrameInfo& info,
       scene.spacing = point_spacing(cells_of(scene.svo), scene.svo.cube.edge, scene.points);
     }
   } else {
+    if (frame.cloud.size() < frame.source_points) scene.level = options.level;
     scene.cloud = std::move(frame.cloud);
     if (by_scalar) color_by_scalar(scene, info, options.scalar);
     scene.cloud.scalars = {};
@@ -376,8 +383,11 @@ Result<SceneFrame> prepare_decoded(DecodedFrame frame, const FrameInfo& info,
     derive_normals(scene, options);
     scene.normals_ms = watch.lap();
     TRY(check(stopped));
-    TRY(options.mode == DrawMode::voxel ? make_voxels(scene, frame.cube, options)
-                                        : make_elements(scene, frame.cube, options));
+    if (options.mode == DrawMode::voxel) {
+      TRY(make_voxels(scene, frame.cube, options));
+    } else if (!frame.spaced || options.mode == DrawMode::point) {
+      TRY(make_elements(scene, frame.cube, options));
+    }
   }
   if (options.mode == DrawMode::voxel) {
     if (const int widest = gap_to_fill(scene.svo, scene.points); widest > 0)

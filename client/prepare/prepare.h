@@ -86,6 +86,10 @@ Result<SceneFrame> prepare_frame(const FetchedFrame& fetched, const FrameInfo& i
                                  const std::function<bool()>& stopped = {},
                                  std::shared_ptr<const StripRecord>* record = nullptr);
 
+/// DecodeLimits::spacing for frames that are prepared in this way: the edge of a cell of
+/// `options.level` in `cube`, where it does not matter that points leave gaps between cells.
+double spacing_for(const PrepareOptions& options, const Cube& cube);
+
 /// The same for a frame that is decoded, with nothing in it but what `options` asks for. Layers and
 /// decode_ms are not filled.
 Result<SceneFrame> prepare_decoded(DecodedFrame frame, const FrameInfo& info,

@@ -28,14 +28,8 @@ Result<DecodedFrame> decode_fetched(const FetchedFrame& fetched, DecodeLimits li
     frame.source_points = static_cast<std::uint32_t>(frame.cloud.size());
     return frame;
   }
-  if (const FetchedLayer& last = fetched.layers.back(); last.group) {
-    auto cloud = decode_video(last, limits);
-    if (!cloud) return tl::unexpected(cloud.error());
-    DecodedFrame frame;
-    frame.cloud = std::move(*cloud);
-    frame.source_points = static_cast<std::uint32_t>(frame.cloud.size());
-    return frame;
-  }
+  if (const FetchedLayer& last = fetched.layers.back(); last.group)
+    return decode_video(last, limits);
   std::vector<Chunks<ByteView>> views;
   for (const FetchedLayer& layer : fetched.layers) views.push_back(layer.view());
   return decode_frame(views, limits);

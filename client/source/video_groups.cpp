@@ -79,9 +79,9 @@ Decodings& decodings() {
 
 }  // namespace
 
-Result<PointCloud> decode_video(const FetchedLayer& layer, const DecodeLimits& limits) {
+Result<DecodedFrame> decode_video(const FetchedLayer& layer, const DecodeLimits& limits) {
   const VideoPictures pictures = TRY(decodings().of(layer.group)->decode(layer.index, limits));
-  return points_of(pictures, limits);
+  return frame_of(pictures, limits);
 }
 
 }  // namespace pointreel

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -13,6 +14,10 @@
 
 namespace pointreel {
 namespace {
+
+/// Surfaces that are seen from the side more than this get no larger radii: their slopes are
+/// those of edges.
+constexpr float kLeastFacing = 0.25f;
 
 /// The sign bits of four numbers of 16 bits.
 constexpr std::uint64_t kSigns = 0x8000800080008000u;
@@ -164,7 +169,7 @@ std::size_t choose_points(const std::int16_t* depths, int count, std::uint16_t* 
 class PatchPoints {
  public:
   PatchPoints(const VideoGroup& group, const Patch& patch, const PixelDepths& depths,
-              const Av1Picture* colors, bool normals)
+              const Av1Picture* colors, const PointParts& parts)
       : group_(group),
         patch_(patch),
         axes_(kViewAxes[static_cast<std::size_t>(patch.view)]),
@@ -172,7 +177,7 @@ class PatchPoints {
         limit_(static_cast<std::int16_t>(same_surface(steps_))),
         depths_(depths),
         colors_(colors),
-        normals_(normals),
+        parts_(parts),
         chosen_(static_cast<std::size_t>(patch.width) + 1),
         normal_row_(static_cast<std::size_t>(patch.width)),
         color_row_(static_cast<std::size_t>(patch.width)) {
@@ -181,10 +186,10 @@ class PatchPoints {
   }
 
   void put(PointCloud& cloud, std::size_t next) {
-    if (normals_) load(0);
+    if (parts_.normals) load(0);
     for (int y = 0; y < patch_.height; ++y) {
       const std::int16_t* depths = depths_of(y);
-      if (normals_) load(y + 1);
+      if (parts_.normals) load(y + 1);
       int end = 0;
       for (int begin = 0; begin < patch_.width; begin = end + kPatchGrain) {
         end = begin;
@@ -223,7 +228,7 @@ class PatchPoints {
       position[axes_.v] = down;
       position[axes_.depth] = pitch * (steps_.begin + pixels * static_cast<float>(depths[x]));
     }
-    if (normals_) {
+    if (parts_.normals) {
       normal_row_.fit(row(y - 1) + begin, row(y) + begin, row(y + 1) + begin, limit_, pixels,
                       axes_.facing, end - begin);
       std::array<const float*, 3> along;
@@ -233,6 +238,12 @@ class PatchPoints {
       glm::vec3* const normals = &cloud.normals[next];
       for (std::size_t k = 0; k < count; ++k)
         normals[k] = {along[0][chosen_[k]], along[1][chosen_[k]], along[2][chosen_[k]]};
+      if (parts_.radii) {
+        float* const radii = &cloud.radii[next];
+        for (std::size_t k = 0; k < count; ++k)
+          radii[k] =
+              pitch / std::sqrt(std::max(kLeastFacing, std::abs(normal_row_.depth[chosen_[k]])));
+      }
     }
     if (colors_ != nullptr) {
       const int px = patch_.atlas_x + begin, py = patch_.atlas_y + y;
@@ -253,7 +264,7 @@ class PatchPoints {
   const std::int16_t limit_;
   const PixelDepths& depths_;
   const Av1Picture* const colors_;
-  const bool normals_;
+  const PointParts parts_;
   std::vector<std::uint16_t> chosen_;  ///< the pixels of a part of a row that have points
   NormalRow normal_row_;
   ColorRow color_row_;
@@ -268,7 +279,7 @@ glm::vec3 ycbcr_of(const glm::vec3& rgb) {
 }
 
 PointCloud points_of(const VideoGroup& group, const PixelDepths& depths, const Av1Picture* colors,
-                     bool normals, std::size_t spare, const Executor& executor) {
+                     const PointParts& parts, std::size_t spare, const Executor& executor) {
   const std::size_t patches = group.patches.size();
   std::vector<std::size_t> begins(patches + 1, 0);
   std::partial_sum(depths.points.begin(), depths.points.end(), begins.begin() + 1);
@@ -279,11 +290,12 @@ PointCloud points_of(const VideoGroup& group, const PixelDepths& depths, const A
     values.resize(begins.back());
   };
   make(cloud.positions);
-  if (normals) make(cloud.normals);
+  if (parts.normals) make(cloud.normals);
+  if (parts.radii) make(cloud.radii);
   if (colors != nullptr) make(cloud.colors);
   for_each(executor, static_cast<int>(patches), [&](int i) {
     const auto p = static_cast<std::size_t>(i);
-    PatchPoints(group, group.patches[p], depths, colors, normals).put(cloud, begins[p]);
+    PatchPoints(group, group.patches[p], depths, colors, parts).put(cloud, begins[p]);
   });
   return cloud;
 }

@@ -11,11 +11,16 @@
 /// Pictures of depth and colour -> points.
 namespace pointreel {
 
+/// What points have besides their positions and colours.
+struct PointParts {
+  bool normals = true;  ///< those of the slopes of the depth around the pixel
+  bool radii = false;   ///< with normals: edges of squares of the surface that a pixel stands for
+};
+
 /// One point for each pixel that has one, patch by patch, row by row, relative to the group's
-/// origin. Normals are those of the slopes of the depth around it. `colors` may be null. There is
-/// room for so many `spare` points more.
+/// origin. `colors` may be null. There is room for so many `spare` points more.
 PointCloud points_of(const VideoGroup& group, const PixelDepths& depths, const Av1Picture* colors,
-                     bool normals, std::size_t spare = 0, const Executor& executor = {});
+                     const PointParts& parts, std::size_t spare = 0, const Executor& executor = {});
 
 /// The place of a pixel of a patch, in pixels from the cube's corner.
 inline glm::vec3 place_of(const Patch& patch, int x, int y, float depth) {

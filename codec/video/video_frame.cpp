@@ -2,11 +2,13 @@
 
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "codec/octree/frame_header.h"
+#include "codec/video/coarse_pictures.h"
 #include "codec/video/picture_points.h"
 #include "codec/video/pixel_depths.h"
 #include "common/base/byte_io.h"
@@ -59,7 +61,9 @@ Result<std::vector<Chunks<ByteView>>> leftover_layers(ByteView bytes) {
 }
 
 /// Fails if points are so far from the others that floats cannot tell where.
-Result<void> append(PointCloud& cloud, const PointCloud& more, bool normals) {
+/// `radius`: of those.
+Result<void> append(PointCloud& cloud, const PointCloud& more, const PointParts& parts,
+                    double radius) {
   const glm::vec3 offset(more.origin - cloud.origin);
   const bool colors = cloud.has_colors() || (cloud.empty() && more.has_colors());
   for (const glm::vec3& position : more.positions) {
@@ -73,12 +77,52 @@ Result<void> append(PointCloud& cloud, const PointCloud& more, bool normals) {
       cloud.colors.insert(cloud.colors.end(), more.colors.begin(), more.colors.end());
     cloud.colors.resize(cloud.size());
   }
-  if (normals) {
+  if (parts.radii) cloud.radii.resize(cloud.size(), static_cast<float>(radius));
+  if (parts.normals) {
     if (more.has_normals())
       cloud.normals.insert(cloud.normals.end(), more.normals.begin(), more.normals.end());
     cloud.normals.resize(cloud.size(), glm::vec3(0.0f));
   }
   return {};
+}
+
+/// How often pictures of this pitch can be halved until points are that far apart.
+int halvings(double pitch, double spacing) {
+  int count = 0;
+  // Cells of a cube whose edge is a whole number of pixels, but for rounding.
+  for (double next = 1.999 * pitch; next <= spacing && count < kMostHalvings; next *= 2.0) ++count;
+  return count;
+}
+
+Result<PointCloud> decode_leftovers(const Bytes& leftovers, DecodeLimits limits) {
+  if (leftovers.empty()) return PointCloud();
+  limits.inner_nodes = false;
+  limits.leaves = true;
+  DecodedFrame frame = TRY(decode_octree(TRY(leftover_layers(leftovers)), limits));
+  return std::move(frame.cloud);
+}
+
+Result<DecodedFrame> make_frame(const VideoPictures& pictures, const DecodeLimits& limits,
+                                const PointParts& parts) {
+  const VideoGroup* group = pictures.group.get();
+  const Av1Picture* colors = pictures.colors ? &*pictures.colors : nullptr;
+  PixelDepths depths = read_depths(*group, pictures.blocks, pictures.depth.depth, limits.executor);
+  const PointCloud left = TRY(decode_leftovers(pictures.leftovers, limits));
+  DecodedFrame frame;
+  frame.spaced = true;
+  frame.source_points = static_cast<std::uint32_t>(
+      std::accumulate(depths.points.begin(), depths.points.end(), left.size()));
+  CoarsePictures coarse;
+  for (int i = halvings(group->pitch, limits.spacing); i > 0; --i) {
+    CoarsePictures next = halve(*group, depths, colors, limits.executor);
+    coarse = std::move(next);
+    group = &coarse.group;
+    depths = std::move(coarse.depths);
+    colors = coarse.colors ? &*coarse.colors : nullptr;
+  }
+  frame.cloud = points_of(*group, depths, colors, parts, left.size(), limits.executor);
+  TRY(append(frame.cloud, left, parts, pictures.group->pitch));
+  return frame;
 }
 
 Bytes payload_of(const VideoGeometry& geometry) {
@@ -170,23 +214,15 @@ VideoPictures undecoded(CodedVideoFrame frame) {
           Bytes(frame.leftovers.begin(), frame.leftovers.end())};
 }
 
+Result<DecodedFrame> frame_of(const VideoPictures& pictures, const DecodeLimits& limits) {
+  return or_out_of_memory([&] { return make_frame(pictures, limits, {true, true}); });
+}
+
 Result<PointCloud> points_of(const VideoPictures& pictures, const DecodeLimits& limits,
                              bool normals) {
   return or_out_of_memory([&]() -> Result<PointCloud> {
-    const VideoGroup& group = *pictures.group;
-    const PixelDepths depths =
-        read_depths(group, pictures.blocks, pictures.depth.depth, limits.executor);
-    PointCloud left;
-    if (!pictures.leftovers.empty()) {
-      DecodeLimits all = limits;
-      all.inner_nodes = false;
-      all.leaves = true;
-      left = TRY(decode_octree(TRY(leftover_layers(pictures.leftovers)), all)).cloud;
-    }
-    PointCloud cloud = points_of(group, depths, pictures.colors ? &*pictures.colors : nullptr,
-                                 normals, left.size(), limits.executor);
-    TRY(append(cloud, left, normals));
-    return cloud;
+    DecodedFrame frame = TRY(make_frame(pictures, limits, {normals, false}));
+    return std::move(frame.cloud);
   });
 }
 

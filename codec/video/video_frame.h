@@ -73,8 +73,12 @@ struct VideoPictures {
 /// The same without its videos' pictures, which are to be filled in.
 VideoPictures undecoded(CodedVideoFrame frame);
 
+/// A frame for players: a cloud with normals and radii, of fewer points where
+/// DecodeLimits::spacing allows it. Errors: those of decode_octree, for the leftovers.
+Result<DecodedFrame> frame_of(const VideoPictures& pictures, const DecodeLimits& limits = {});
+
 /// The points of a frame. Their normals, if wanted, are those of the surface that the pictures
-/// show. Errors: those of decode_octree, for the leftovers.
+/// show. Errors: as above.
 Result<PointCloud> points_of(const VideoPictures& pictures, const DecodeLimits& limits = {},
                              bool normals = true);
 

@@ -100,6 +100,45 @@ TEST(Video, decodes_to_the_surface_and_its_colours) {
   }
 }
 
+TEST(Video, has_a_quarter_of_the_points_where_a_view_shows_no_more) {
+  VideoDecoder decoder;
+  const VideoPictures pictures = decoder.next(view(encoded()[0])).value();
+  const DecodedFrame all = frame_of(pictures).value();
+  EXPECT_EQ(all.source_points, all.cloud.size());
+  const glm::dvec3 center = kCorner + kPitch * glm::dvec3(60.0, 64.0, 62.0);
+  std::size_t before = all.cloud.size();
+  for (const int wider : {2, 4, 8}) {
+    SCOPED_TRACE(wider);
+    DecodeLimits limits;
+    limits.spacing = wider * kPitch;
+    const DecodedFrame frame = frame_of(pictures, limits).value();
+    const PointCloud& cloud = frame.cloud;
+    EXPECT_EQ(frame.source_points, all.source_points);
+    EXPECT_GT(cloud.size(), before / 5);
+    EXPECT_LT(cloud.size(), before / 3);
+    before = cloud.size();
+    double area = 0.0;
+    std::size_t off = 0, turned = 0, red = 0;
+    for (std::size_t p = 0; p < cloud.size(); ++p) {
+      const glm::dvec3 away = (cloud.world(p) - center) / kPitch;
+      off += std::abs(glm::length(away) - 50.0) > 0.5 * wider + 0.5 ? 1 : 0;
+      turned += glm::dot(glm::dvec3(cloud.normals[p]), glm::normalize(away)) < 0.9 ? 1 : 0;
+      red += (cloud.colors[p].x > 257 * 130) == (away.y > 0) ? 1 : 0;
+      area += cloud.radii[p] / kPitch * cloud.radii[p] / kPitch;
+    }
+    EXPECT_LE(off, cloud.size() / 50);
+    EXPECT_LE(turned, cloud.size() / 20);
+    EXPECT_GE(red, cloud.size() * 92 / 100);
+    // Views overlap a little.
+    const double sphere = 4.0 * 3.14159 * 50.0 * 50.0;
+    EXPECT_GT(area, sphere);
+    EXPECT_LT(area, 1.5 * sphere);
+  }
+  DecodeLimits least;
+  least.spacing = 1.9 * kPitch;
+  EXPECT_EQ(frame_of(pictures, least)->cloud.size(), all.cloud.size());
+}
+
 TEST(Video, leaves_no_part_of_the_surface_out) {
   VideoDecoder decoder;
   const PointCloud cloud = points_of(decoder.next(view(encoded()[0])).value()).value();

@@ -153,13 +153,11 @@ PrError pr_prepare_video(std::uint32_t key, const PrVideoFrame* frame, const std
   DecodeLimits limits;
   limits.max_memory = options.max_memory;
   if (tables != nullptr) limits.tables = tables->tables.get();
-  auto cloud = video_points(*frame, depth, colors, limits);
-  if (!cloud) return report(cloud.error());
-  DecodedFrame decoded;
-  decoded.cloud = *std::move(cloud);
-  decoded.cube = info.cube;
-  decoded.source_points = static_cast<std::uint32_t>(decoded.cloud.size());
-  auto scene = prepare_decoded(std::move(decoded), info, options);
+  limits.spacing = spacing_for(options, info.cube);
+  auto decoded = video_frame(*frame, depth, colors, limits);
+  if (!decoded) return report(decoded.error());
+  decoded->cube = info.cube;
+  auto scene = prepare_decoded(*std::move(decoded), info, options);
   if (scene) scene->layers = 2;
   return keep(key, std::move(scene));
 }

@@ -55,8 +55,8 @@ void pr_video_frame_free(PrVideoFrame* frame) { delete static_cast<ReadFrame*>(f
 
 namespace pointreel {
 
-Result<PointCloud> video_points(const PrVideoFrame& frame, const std::uint16_t* depth,
-                                const std::uint8_t* colors, const DecodeLimits& limits) {
+Result<DecodedFrame> video_frame(const PrVideoFrame& frame, const std::uint16_t* depth,
+                                 const std::uint8_t* colors, const DecodeLimits& limits) {
   VideoPictures pictures = static_cast<const ReadFrame&>(frame).pictures;
   const std::ptrdiff_t width = pictures.group->width;
   const std::ptrdiff_t pixels = width * pictures.group->height;
@@ -66,11 +66,11 @@ Result<PointCloud> video_points(const PrVideoFrame& frame, const std::uint16_t* 
     pictures.colors = Av1Picture{
         nullptr, {}, {colors, width}, {chroma, width / 2}, {chroma + pixels / 4, width / 2}};
   }
-  return points_of(pictures, limits);
+  return frame_of(pictures, limits);
 }
 
 // Frames of video come to the module with their pictures (pr_prepare_video), never as bytes alone.
-Result<PointCloud> decode_video(const FetchedLayer&, const DecodeLimits&) {
+Result<DecodedFrame> decode_video(const FetchedLayer&, const DecodeLimits&) {
   return fail(ErrorCode::unsupported, "the browser has to decode the frame's video");
 }
 

@@ -133,6 +133,9 @@ struct DecodeLimits {
   /// have the normals of their ancestors. Normals take as long to decode as the tree, and those of
   /// the finest level change little where its nodes are small.
   int normals_depth = kMaxDepth;
+  /// Video: points may be as far apart as this, in world units, where a view shows no more. 0: all
+  /// that the frame has.
+  double spacing = 0.0;
   /// Octree: whether to decode scalar fields. They need all layers, and no lower `depth`.
   bool scalars = true;
   /// Octree: if not empty, the name of the only scalar field to decode.
@@ -150,7 +153,10 @@ struct DecodedFrame {
   std::vector<ScalarField> scalars;
   Cube cube;
   int depth = 0;  ///< octree: level of the leaves of the whole frame, however much was decoded
-  std::uint32_t source_points = 0;  ///< the number of points that the encoder was given
+  /// The number of points that the encoder was given; of video, those that the frame has.
+  std::uint32_t source_points = 0;
+  /// Video: the points have radii, and lie as far apart as DecodeLimits::spacing allows.
+  bool spaced = false;
 };
 
 /// Encodes `cloud` as an octree of `cube`; points outside the cube move to its faces. The bytes

@@ -115,7 +115,7 @@ constexpr Row kFormats[] = {
      {"# .PCD", "VERSION"},
      Likely::yes,
      read_unlimited<read_pcd>,
-     '\0',
+     std::nullopt,
      true},
     {CloudFormat::las,
      "LAS",
@@ -160,6 +160,10 @@ constexpr Row kFormats[] = {
     {CloudFormat::foreign, "", {}, {"#ROSBAG", "SQLite format 3"}, Likely::no, refuse_bag},
     {CloudFormat::foreign, "", {}, {"ASTM-E57"}, Likely::no, refuse_e57},
 };
+
+static_assert(std::all_of(std::begin(kFormats), std::end(kFormats), [](const Row& row) {
+  return !row.up || (row.up->axis() >= 0 && row.up->axis() <= 2);
+}));
 
 /// Endings of formats with more than one that nothing else uses.
 constexpr std::array<std::string_view, 3> kSureText{".xyz", ".pts", ".asc"};

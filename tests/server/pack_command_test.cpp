@@ -318,6 +318,21 @@ TEST_F(PackCommand, the_time_of_capture_goes_into_recordings_and_comes_back) {
   EXPECT_FALSE(read_manifest(again)->captured_us);
 }
 
+TEST_F(PackCommand, takes_what_unpack_has_written_in_any_format) {
+  write_frames(2);
+  ASSERT_EQ(run_pack({}).code, kExitOk);
+  for (const auto& [format, up] :
+       {std::pair("ply", "y"), {"pcd", "y"}, {"las", "z"}, {"mcap", "z"}}) {
+    SCOPED_TRACE(format);
+    const std::string files = (reel_.parent_path() / format).string(), again = files + ".reel";
+    ASSERT_EQ(run({"unpack", "-i", reel_.string(), "-o", files, "--format", format}).code, kExitOk);
+    const Outcome packed = run({"pack", "-i", files, "-o", again});
+    ASSERT_EQ(packed.code, kExitOk) << packed.errors;
+    EXPECT_EQ(read_manifest(again)->up.text(), up);
+    EXPECT_EQ(read_manifest(again)->frame_count(), 2u);
+  }
+}
+
 TEST_F(PackCommand, any_axis_points_up) {
   write_frames(1);
   for (const char* up : {"x", "-x", "y", "-y", "z", "-z"}) {

@@ -14,6 +14,7 @@
 #include "codec/files/sample.h"
 #include "codec/files/words.h"
 #include "common/base/concat.h"
+#include "common/base/letter_case.h"
 #include "common/base/parse_number.h"
 #include "common/base/try.h"
 
@@ -115,19 +116,35 @@ struct Head {
   std::optional<std::uint64_t> count;  ///< what the first line says, as in .pts files
 };
 
-/// Whether words are names of columns: they have x, y and z among them.
-bool are_names(const std::vector<std::string_view>& words) {
+/// Whether they have x, y and z among them.
+bool are_names(const std::vector<std::string>& names) {
   const auto has = [&](char letter) {
-    return std::any_of(words.begin(), words.end(), [&](std::string_view word) {
-      return word.size() == 1 && (word[0] | 32) == letter;
+    return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+      return name.size() == 1 && (name[0] | 32) == letter;
     });
   };
   return has('x') && has('y') && has('z');
 }
 
-std::vector<std::string> to_strings(const std::vector<std::string_view>& words) {
+/// A column's name without quotes, and without a unit as in "X [mm]" and "x(m)". What ParaView and
+/// VeloView call Points:0 and Points_m_XYZ:0 is x.
+std::string column_name(std::string_view word) {
+  if (word.size() >= 2 && word.front() == '"' && word.back() == '"')
+    word = word.substr(1, word.size() - 2);
+  const std::size_t unit = word.find_first_of("[(");
+  if (unit != 0 && unit != std::string_view::npos && (word.back() == ']' || word.back() == ')'))
+    word = trimmed(word.substr(0, unit));
+  for (const std::string_view points : {"points:", "points_m_xyz:"}) {
+    if (word.size() != points.size() + 1 || !in_small_letters(word).starts_with(points)) continue;
+    if (word.back() >= '0' && word.back() <= '2')
+      return std::string(1, static_cast<char>('x' + (word.back() - '0')));
+  }
+  return std::string(word);
+}
+
+std::vector<std::string> names_of(const std::vector<std::string_view>& words) {
   std::vector<std::string> names;
-  for (const std::string_view word : words) names.emplace_back(word);
+  for (const std::string_view word : words) names.push_back(column_name(word));
   return names;
 }
 
@@ -135,15 +152,16 @@ std::uint64_t to_count(double value) {
   return value >= 0.0 && value < 1e15 ? static_cast<std::uint64_t>(value) : 0;
 }
 
-/// Reads up to the first point, whose line is left in `lines`.
-Result<Head> read_head(Lines& lines) {
+/// Reads up to the first point, whose line is left in `lines`. `named`: how many columns the user
+/// has named, so that a first line of as many words may be anything; or 0.
+Result<Head> read_head(Lines& lines, std::size_t named = 0) {
   Head head;
   std::string_view line;
   for (Lines ahead = lines; ahead.next(line); lines = ahead) {
     if (trimmed(line).empty()) continue;
     if (const auto comment = comment_of(line)) {
-      const auto words = cells_of(*comment, separator_of(*comment));
-      if (are_names(words)) head.names = to_strings(words);
+      const auto names = names_of(cells_of(*comment, separator_of(*comment)));
+      if (are_names(names)) head.names = names;
       continue;
     }
     head.separator = separator_of(line);
@@ -162,11 +180,12 @@ Result<Head> read_head(Lines& lines) {
       head.columns = words.size();  // the first column has words that nobody reads
       return head;
     }
-    if (!are_names(words)) {
+    head.names = names_of(words);
+    if (!are_names(head.names) && head.names.size() != named) {
       return fail(concat("line ", ahead.number(), ": '", printable(trimmed(line)),
-                         "' is neither a point nor names of columns with x, y and z among them"));
+                         "' is neither a point nor names of columns with x, y and z among them; "
+                         "--columns names them"));
     }
-    head.names = to_strings(words);
   }
   return head;
 }
@@ -277,7 +296,7 @@ Result<PointCloud> read_text_points(const ByteSource& source, const Reading& rea
   Bytes room;
   const ByteView bytes = TRY(source.all(room));
   Lines lines(without_mark(text_of(bytes)));
-  Head head = TRY(read_head(lines));
+  Head head = TRY(read_head(lines, reading.columns.size()));
   if (head.columns == 0) return fail("has no points");
   if (head.columns < 3) {
     return fail(concat("line ", lines.number() + 1, ": has ", head.columns,

@@ -97,6 +97,22 @@ TEST(TextPoints, a_header_names_the_columns_in_any_order) {
   }
 }
 
+TEST(TextPoints, names_in_a_header_may_have_quotes_and_units) {
+  for (const std::string head :
+       {"X [mm],Y [mm],Z [mm],Intensity [%]\n", "\"x\",\"y\",\"z\",\"intensity\"\n",
+        "x(m);y(m);z(m);intensity\n", "Points:0,Points:1,Points:2,intensity\n",
+        "\"Points_m_XYZ:0\",\"Points_m_XYZ:1\",\"Points_m_XYZ:2\",\"intensity\"\n"}) {
+    SCOPED_TRACE(head);
+    const std::string separator = head.find(';') == std::string::npos ? "," : ";";
+    const Result<PointCloud> cloud =
+        read(head + "1" + separator + "2" + separator + "3" + separator + "9\n");
+    ASSERT_TRUE(cloud) << cloud.error().message;
+    EXPECT_EQ(cloud->world(0), glm::dvec3(1, 2, 3));
+    ASSERT_EQ(cloud->scalars.size(), 1u);
+    EXPECT_THAT(cloud->scalars[0].name, testing::StrCaseEq("intensity"));
+  }
+}
+
 TEST(TextPoints, words_in_columns_that_are_not_read_do_no_harm) {
   const Result<PointCloud> cloud = read("name,x,y,z\nfloor,1,2,3\n,4,5,6\n");
   ASSERT_TRUE(cloud) << cloud.error().message;
@@ -156,6 +172,12 @@ TEST(TextPoints, given_columns_hold_and_must_be_as_many) {
   ASSERT_TRUE(cloud) << cloud.error().message;
   EXPECT_EQ(cloud->world(0), glm::dvec3(2, 1, 4));
   EXPECT_THAT(cloud->scalars, ElementsAre(ScalarField{"time", {5}}));
+  const Result<PointCloud> under_a_header =
+      read_as("Easting,Northing,Elevation\n1,2,3\n", {"x", "y", "z"});
+  ASSERT_TRUE(under_a_header) << under_a_header.error().message;
+  EXPECT_EQ(under_a_header->world(0), glm::dvec3(1, 2, 3));
+  EXPECT_THAT(read("Easting,Northing,Elevation\n1,2,3\n").error().message,
+              HasSubstr("--columns names them"));
   EXPECT_THAT(read_as("1 2 3 4 5\n", {"x", "y", "z"}).error().message,
               HasSubstr("line 1: has 5 columns, but is to be read as x y z; --columns"));
 }

@@ -1,5 +1,6 @@
 #include "server/pack/link_or_copy.h"
 
+#include <cstdint>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -17,10 +18,15 @@ Result<void> link_or_copy(const fs::path& from, const fs::path& to) {
     if (!error) return {};
   }
   fs::copy_file(from, to, error);
-  if (error)
-    return fail(ErrorCode::io, fmt::format("{}: cannot be copied to {}: {}", from.string(),
-                                           to.string(), why_not_written(error.value())));
-  return {};
+  if (!error) return {};
+  std::error_code unknown;
+  fs::remove(to, unknown);
+  // The standard library calls a full disk an input/output error.
+  const std::uintmax_t size = fs::file_size(from, unknown);
+  if (!unknown && fs::space(to.parent_path(), unknown).available < size && !unknown)
+    error = std::make_error_code(std::errc::no_space_on_device);
+  return fail(ErrorCode::io, fmt::format("{}: cannot be copied to {}: {}", from.string(),
+                                         to.string(), why_not_written(error.value())));
 }
 
 }  // namespace pointreel

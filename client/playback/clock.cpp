@@ -159,9 +159,16 @@ void Clock::step(std::int64_t frames, TimePoint now) {
   pause(now);
   const std::int64_t count = timeline_.frame_count();
   const std::int64_t target = static_cast<std::int64_t>(read(now).frame) + frames;
-  const std::int64_t frame =
-      loop_ ? floor_mod(target, count) : std::clamp<std::int64_t>(target, 0, count - 1);
-  seek(timeline_.times_us[static_cast<std::size_t>(frame)], now);
+  const std::vector<std::uint64_t>& times = timeline_.times_us;
+  auto frame = static_cast<std::size_t>(loop_ ? floor_mod(target, count)
+                                              : std::clamp<std::int64_t>(target, 0, count - 1));
+  // Frames that the next one replaces at the same time are not shown: going there leads to the last
+  // of them, which may be where we are.
+  while (frames < 0 && frame + 1 < times.size() && times[frame] == times[frame + 1]) {
+    if (frame == 0 && !loop_) break;
+    frame = frame == 0 ? times.size() - 1 : frame - 1;
+  }
+  seek(times[frame], now);
 }
 
 void Clock::set_speed(double speed, TimePoint now) {

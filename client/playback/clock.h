@@ -70,6 +70,7 @@ class Clock {
   /// loop begins anew.
   void seek_by(std::int64_t delta_us, TimePoint now);
   /// Pauses, and goes that many frames forward, or back if negative, to exactly that frame's time.
+  /// Frames that the next one replaces at the same time, as a cut of video has them, do not count.
   void step(std::int64_t frames, TimePoint now);
 
   /// Negative: backward. The absolute value is clamped to kMinSpeed and kMaxSpeed. The position

@@ -130,6 +130,22 @@ TEST(Clock, a_step_goes_to_the_exact_time_of_the_next_frame_and_pauses) {
   EXPECT_EQ(clock.read(kStart + milliseconds(900)).position_us, 0u);
 }
 
+TEST(Clock, a_step_back_passes_frames_that_are_not_shown) {
+  Clock clock({{0, 0, 100, 200, 200, 200, 300}, 400}, true);
+  clock.seek(300, kStart);
+  clock.step(-1, kStart);
+  EXPECT_EQ(clock.read(kStart).frame, 5u);
+  clock.step(-1, kStart);
+  EXPECT_EQ(clock.read(kStart).frame, 2u);
+  clock.step(-1, kStart);
+  EXPECT_EQ(clock.read(kStart).frame, 1u);
+  clock.step(-1, kStart);
+  EXPECT_EQ(clock.read(kStart).frame, 6u);
+  clock.seek(100, kStart);
+  clock.step(1, kStart);
+  EXPECT_EQ(clock.read(kStart).frame, 5u);
+}
+
 TEST(Clock, a_step_wraps_at_the_ends_of_a_loop) {
   Clock clock(ten_frames(), true);
   clock.step(-1, kStart);

@@ -19,22 +19,25 @@ export class LayerStore {
   private readonly ranges = new Map<number, Range[]>();
   private bytes = 0;
   private runs: Run[] = [];
-  /** Damaged or refused: no more is fetched of it. */
+  /** Why frames have fewer layers than the reel says: these are damaged or refused, and are not fetched any more. */
   readonly failed = new Map<number, string>();
-  /** Frames of which the base alone is whole. */
-  private readonly bare = new Set<number>();
+  /** How many layers those frames have. */
+  private readonly most = new Map<number, number>();
 
-  constructor(private readonly reel: Reel, private readonly fetcher: Fetcher, private readonly most: number,
+  constructor(private readonly reel: Reel, private readonly fetcher: Fetcher, private readonly room: number,
               private readonly onCame: () => void) {}
 
   get heldBytes(): number { return this.bytes; }
 
   /** How many layers a frame has, from the base on, of those wanted. */
   end(frame: number, wanted: Layers): number {
-    return Math.min(wanted.end, this.bare.has(frame) ? 1 : this.rangesOf(frame).length);
+    return Math.min(wanted.end, this.most.get(frame) ?? this.rangesOf(frame).length);
   }
-  /** From now on, a frame has its base only. */
-  keepBase(frame: number): void { this.bare.add(frame); }
+  /** From now on, a frame has no more layers than `end`, and `why` says so. */
+  limit(frame: number, end: number, why: string): void {
+    this.most.set(frame, Math.min(end, this.most.get(frame) ?? end));
+    this.failed.set(frame, why);
+  }
   has(frame: number, end: number): boolean {
     for (let i = 0; i < end; ++i) if (!this.hasLayer(frame, i)) return false;
     return true;
@@ -100,7 +103,7 @@ export class LayerStore {
     const wanted = new Map(frames.map(({ frame, end }) => [frame, end]));
     this.stopUnwanted(wanted);
     frames.forEach(({ frame, end }, i) => {
-      if (i >= begun || this.failed.has(frame)) return;
+      if (i >= begun) return;
       for (let layer = 0; layer < end; ++layer) {
         if (this.runs.length >= MOST_REQUESTS) return;
         if (this.hasLayer(frame, layer) || this.isComing(frame, layer)) continue;
@@ -150,7 +153,7 @@ export class LayerStore {
     const fits = (other: number) =>
       other >= segment.firstFrame && other < segment.firstFrame + segment.frames &&
       (wanted.get(other) ?? 0) > layer && this.sizeOf(other, layer) > 0 && !this.kept.get(other)?.[layer] &&
-      !this.isComing(other, layer) && !this.failed.has(other);
+      !this.isComing(other, layer);
     let first = group.first, last = group.first + group.frames - 1, bytes = 0;
     for (let other = first; other <= last; ++other) bytes += this.sizeOf(other, layer);
     const grow = (other: number) => {
@@ -171,7 +174,7 @@ export class LayerStore {
       .then((body) => this.keep(run, body, from))
       .catch((error: Error) => {
         if (!run.abort.signal.aborted)
-          for (let f = first; f <= last; ++f) this.failed.set(f, error.message);
+          for (let f = first; f <= last; ++f) this.limit(f, layer, error.message);
       })
       .finally(() => {
         this.runs = this.runs.filter((other) => other !== run);
@@ -193,7 +196,7 @@ export class LayerStore {
       this.kept.set(frame, layers);
     }
     for (const [frame, layers] of this.kept) {
-      if (this.bytes <= this.most) break;
+      if (this.bytes <= this.room) break;
       for (const layer of layers) this.bytes -= layer?.length ?? 0;
       this.kept.delete(frame);
     }

@@ -42,9 +42,6 @@ export class ReelPlayback {
   readonly control: LayerControl;
   readonly store: LayerStore;
   readonly counts: Counts = { shown: 0, dropped: 0, errors: 0, stalls: 0 };
-  readonly damaged = new Map<number, string>();
-  /** Not even the base of these can be shown. */
-  private readonly hopeless = new Set<number>();
   shown: MadeFrame | null = null;
   /** The last decision: how many layers, and why not more (PrLimit). */
   limit = 0;
@@ -125,7 +122,7 @@ export class ReelPlayback {
     this.hold(reading.frame, upcoming, state.playing, state.speed);
     this.repack(look);
     this.trim(reading.frame, upcoming);
-    this.error = this.damaged.get(reading.frame) ?? this.store.failed.get(reading.frame) ?? null;
+    this.error = this.store.failed.get(reading.frame) ?? null;
     return changed;
   }
 
@@ -191,14 +188,17 @@ export class ReelPlayback {
     frames.forEach((f, i) => {
       const end = this.store.end(f, this.wanted), have = Math.min(end, this.store.have(f));
       if (i > 0 && this.isGood(this.made.get(f), look, end)) ++made;
-      if (have === 0 || this.hopeless.has(f)) return;
+      if (have === 0) return;
       // A coarse picture of what is waited for is better than none.
       const isUrgent = i === 0 && !this.isGood(this.made.get(f), look, 1);
       if (have < end && !isUrgent) return;
-      if (this.isGood(this.made.get(f), look, have) || (this.making.get(f) ?? 0) >= have) return;
+      // After a jump, the octree below a video is there long before it is decoded. Playing, it is worse than the frame before.
+      const isBase = isUrgent && this.isSeeking && this.reel.groupFrames > 0 && !this.making.has(f);
+      const most = isBase ? 1 : have;
+      if (this.isGood(this.made.get(f), look, most) || (this.making.get(f) ?? 0) >= most) return;
       const worker = this.pool.idlest();
       if (this.pool.load(worker) >= (i === 0 ? 2 : 1)) return;
-      this.makeOne(look, f, have, worker);
+      this.makeOne(look, f, most, worker);
     });
     this.ahead.made = made;
   }
@@ -222,12 +222,13 @@ export class ReelPlayback {
         return;
       }
       this.counts.errors += 1;
-      if (this.refetched.has(frame)) {
-        this.damaged.set(frame, `frame ${frame}: ${error.message}`);
-        if (end > 1) this.store.keepBase(frame);
-        else this.hopeless.add(frame);
+      const group = this.reel.group(frame, end - 1);
+      if (this.refetched.has(group.first)) {
+        // Whatever was wrong, those after it in its group need it.
+        for (let f = frame; f < group.first + group.frames; ++f)
+          this.store.limit(f, end > 1 ? 1 : 0, `frame ${f}: ${error.message}`);
       } else {
-        this.refetched.add(frame);
+        this.refetched.add(group.first);
         this.store.forget(frame);
       }
     }).finally(() => {
@@ -262,7 +263,7 @@ export class ReelPlayback {
   /** Time stands still while what is needed has not come. */
   private hold(frame: number, upcoming: readonly number[], playing: boolean, speed: number): void {
     if (this.seeking === "jump") {
-      if (this.shown?.frame !== frame && !this.damaged.has(frame) && !this.store.failed.has(frame)) return;
+      if (this.shown?.frame !== frame && this.store.end(frame, this.wanted) > 0) return;
       // A picture alone is not enough to play on from.
       this.seeking = playing && upcoming.length > 0 && this.ahead.fetched === 0 ? "starved" : null;
       if (!this.seeking) this.clock.release();

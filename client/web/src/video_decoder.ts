@@ -28,6 +28,9 @@ export async function whyNoVideo(): Promise<string | null> {
   return null;
 }
 
+/** A decoder that has given nothing for so long, twice, has nothing to give. */
+const SILENCE_MS = 600;
+
 interface Waiting {
   timestamp: number;
   resolve(frame: VideoFrameLike): void;
@@ -38,6 +41,7 @@ interface Waiting {
 export class Av1Decoder {
   private readonly decoder: VideoDecoder;
   private waiting: Waiting[] = [];
+  private timer = 0;
 
   constructor(private readonly bits: Bits, private readonly width: number, private readonly height: number) {
     this.decoder = new VideoDecoder({
@@ -51,6 +55,7 @@ export class Av1Decoder {
   decode(number: number, data: Uint8Array): Promise<VideoFrameLike> {
     return new Promise((resolve, reject) => {
       this.waiting.push({ timestamp: number, resolve, reject });
+      this.watch();
       try {
         this.decoder.decode(new EncodedVideoChunk({ type: number === 0 ? "key" : "delta", timestamp: number, data }));
       } catch {
@@ -82,8 +87,16 @@ export class Av1Decoder {
     const waiting = this.waiting.shift();
     if (waiting) waiting.resolve(frame);
     else frame.close();
+    this.watch();
+  }
+  /** A chunk without a picture is no error for the decoder. Pictures may wait while their worker computes. */
+  private watch(rounds = 2): void {
+    clearTimeout(this.timer);
+    if (this.waiting.length === 0) return;
+    this.timer = setTimeout(() => (rounds > 1 ? this.watch(rounds - 1) : this.fail("a picture of the video is missing")), SILENCE_MS);
   }
   private fail(why: string): void {
+    clearTimeout(this.timer);
     for (const { reject } of this.waiting.splice(0)) reject(new VideoError(why));
   }
 }

@@ -14,7 +14,7 @@ const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker
   "frame-ancestors 'self'";
 
 /**
- * `damage`: changes what is sent of a reel's files; its arguments are the path and the bytes.
+ * `damage`: changes what is sent of a reel's files; its arguments are the path and the bytes. Null: the file is missing.
  * `ranges`: false sends whole files, whatever is asked for.
  */
 export function serve(page, reels, requests = [], { damage = null, ranges = true } = {}) {
@@ -54,8 +54,13 @@ export function serve(page, reels, requests = [], { damage = null, ranges = true
       return;
     }
     const from = Number(range[1]), to = Math.min(Number(range[2] || size), size - 1);
+    const damaged = damage && file.endsWith(".prs") ? damage(path, readFileSync(file).subarray(from, to + 1)) : undefined;
+    if (damaged === null) {
+      response.writeHead(404, { "Content-Type": "text/plain" }).end("not found\n");
+      return;
+    }
     response.writeHead(206, { ...headers, "Content-Length": to - from + 1, "Content-Range": `bytes ${from}-${to}/${size}` });
-    if (damage && file.endsWith(".prs")) response.end(damage(path, readFileSync(file).subarray(from, to + 1)));
+    if (damaged) response.end(damaged);
     else createReadStream(file, { start: from, end: to }).pipe(response);
   });
   return new Promise((resolve) => server.listen(0, "127.0.0.1", () => resolve({ server, port: server.address().port })));

@@ -68,6 +68,23 @@ test("a damaged frame of video shows its octree, and says so; other groups are w
   other.server.close();
 });
 
+test("where the file of a segment's video is missing, its octrees play", async () => {
+  const other = await serve(page, [reel], [], { damage: (path, bytes) => (/00000\.video\./.test(path) ? null : bytes) });
+  const { tab, close } = await openTab(browser, `http://127.0.0.1:${other.port}/video#t=0`, { requestsFail: true });
+  await until(tab, () => document.querySelector("pointreel-player")?.player.reel?.shown, "a picture is shown");
+  assert.match(await ask(tab, "player.player.trouble"), /video.*404|404.*video|not found/i);
+  for (const frame of [5, 17]) {
+    await seek(tab, frame);
+    assert.equal(await layers(tab), 1);
+  }
+  await seek(tab, 60);
+  assert.equal(await layers(tab), 2);
+  await ask(tab, "(player.currentTime = 0, player.play())");
+  await until(tab, () => document.querySelector("pointreel-player").frame > 50, "it plays beyond the segment");
+  await close();
+  other.server.close();
+});
+
 test("a page from plain http shows the octree, and says what helps", async () => {
   const plain = await openBrowser("gl-egl", ["--host-resolver-rules=MAP plain.test 127.0.0.1"]);
   const { tab, close } = await openTab(plain, `http://plain.test:${port}/video#t=0`);

@@ -53,6 +53,18 @@ if(programs)
       endif()" COMPONENT programs)
   endif()
   pointreel_package(pointreel programs CONTROL ${control})
+  # The documents and what they link to, in the same folders, so that the links work.
+  file(GLOB documents RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
+    *.md client/bindings/README.md client/pictures/*.png client/pictures/*.webp codec/*.md
+    common/*.md server/nginx/*)
+  foreach(document ${documents})
+    cmake_path(GET document PARENT_PATH folder)
+    install(FILES ${PROJECT_SOURCE_DIR}/${document}
+      DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/pointreel/${folder} COMPONENT programs)
+  endforeach()
+  # The player for pages of others, if it was made.
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/npm/ DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/pointreel
+    COMPONENT programs OPTIONAL FILES_MATCHING PATTERN "*.tgz" PATTERN package EXCLUDE)
   set(CPACK_DEBIAN_PROGRAMS_DESCRIPTION "server and player for point clouds that move
 Packs sequences of point clouds, such as scanned people, serves them over
 HTTP, and relays live streams. Plays them in a window, in a browser, and

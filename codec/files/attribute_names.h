@@ -19,4 +19,10 @@ inline constexpr std::array<VectorNames, 4> kColorNames{
 /// Red, green and blue in one number of four bytes, from bits 16, 8 and 0.
 inline constexpr std::array<std::string_view, 2> kPackedColorNames{"rgb", "rgba"};
 
+/// What sensors measure of points. These become scalar fields first, where there are more numbers
+/// than a cloud has scalar fields.
+inline constexpr std::array<std::string_view, 12> kMeasuredNames{
+    "intensity", "reflectivity", "reflectance", "amplitude", "confidence",     "range",
+    "ring",      "time",         "timestamp",   "label",     "classification", "temperature"};
+
 }  // namespace pointreel

@@ -50,13 +50,12 @@ class Unassigned {
 
   /// Makes scalar fields of what is left, as far as there may be some.
   std::vector<RecordScalar> scalars(std::vector<std::string>& unread) const {
+    const std::vector<bool> chosen = choose_scalars();
     std::vector<RecordScalar> scalars;
     for (std::size_t i = 0; i < fields_.size(); ++i) {
       const std::string& name = fields_[i].name;
       if (taken_[i] || name == "_") continue;
-      const bool again = std::any_of(scalars.begin(), scalars.end(),
-                                     [&](const RecordScalar& other) { return other.name == name; });
-      if (scalars.size() < kMaxScalars && !again && is_scalar_name(name)) {
+      if (chosen[i]) {
         scalars.push_back({name, fields_[i].field});
       } else {
         unread.push_back(name.empty() ? "(unnamed)" : printable(name));
@@ -66,6 +65,25 @@ class Unassigned {
   }
 
  private:
+  /// Up to kMaxScalars, what is measured before anything else, and none of a name twice.
+  std::vector<bool> choose_scalars() const {
+    std::vector<bool> chosen(fields_.size(), false);
+    std::vector<std::string_view> names;
+    for (const bool measured : {true, false}) {
+      for (std::size_t i = 0; i < fields_.size() && names.size() < kMaxScalars; ++i) {
+        const std::string& name = fields_[i].name;
+        const auto is_name = [&](std::string_view other) { return equal_in_any_case(name, other); };
+        if (taken_[i] || name == "_" || !is_scalar_name(name)) continue;
+        if (std::any_of(kMeasuredNames.begin(), kMeasuredNames.end(), is_name) != measured)
+          continue;
+        if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+        chosen[i] = true;
+        names.push_back(name);
+      }
+    }
+    return chosen;
+  }
+
   std::size_t find(std::string_view name) const {
     for (std::size_t i = 0; i < fields_.size(); ++i)
       if (!taken_[i] && equal_in_any_case(fields_[i].name, name)) return i;

@@ -113,6 +113,19 @@ TEST(TextPoints, names_in_a_header_may_have_quotes_and_units) {
   }
 }
 
+TEST(TextPoints, what_sensors_measure_comes_before_other_columns) {
+  std::vector<std::string> unread;
+  const Result<PointCloud> cloud = read(
+      "Version,Slot,Lidar,Rsvd,Error,Type,Tag,Id,X,Y,Z,Reflectivity\n"
+      "1,2,3,4,5,6,7,8,9,10,11,12\n",
+      &unread);
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  ASSERT_EQ(cloud->scalars.size(), kMaxScalars);
+  EXPECT_EQ(cloud->scalars.back().name, "Reflectivity");
+  EXPECT_THAT(cloud->scalars.back().values, ElementsAre(12.0f));
+  EXPECT_THAT(unread, ElementsAre("Id"));
+}
+
 TEST(TextPoints, words_in_columns_that_are_not_read_do_no_harm) {
   const Result<PointCloud> cloud = read("name,x,y,z\nfloor,1,2,3\n,4,5,6\n");
   ASSERT_TRUE(cloud) << cloud.error().message;

@@ -46,5 +46,10 @@ FUZZ_TARGET(video, .longest = 1 << 15) {
     }
     require(points->normals.size() == points->size());
     require(points->colors.empty() || points->colors.size() == points->size());
+    DecodeLimits coarse = limits;
+    coarse.spacing = 4.0 * pictures->group->pitch;
+    const auto frame = frame_of(*pictures, coarse);
+    require(frame && frame->cloud.size() <= points->size());
+    require(frame->cloud.radii.size() == frame->cloud.size());
   }
 }

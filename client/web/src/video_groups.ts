@@ -1,7 +1,7 @@
 // Groups of video that a worker is decoding.
 import { Prepare } from "./messages";
 import { Module, ModuleError } from "./module";
-import { Av1Decoder, COLOR_BITS, DEPTH_BITS } from "./video_decoder";
+import { Av1Decoder, COLOR_BITS, DEPTH_BITS, VideoError } from "./video_decoder";
 
 /** Playback passes from one group to the next. */
 const KEPT_GROUPS = 2;
@@ -46,11 +46,12 @@ class Decoding {
       drop(this.module, pictures);
       this.ahead.delete(other);
     }
-    const pictures = this.ahead.get(index)!;
+    const pictures = this.ahead.get(index);
+    if (!pictures) throw new VideoError("the video's group ends early");
     this.ahead.delete(index);
     return pictures;
   }
-  /** Gives the decoders what comes next while other things are done. */
+  /** Reads up to a frame, and gives the decoders what is read. */
   readTo(job: Prepare, index: number): void {
     const { sizes, bytes, options } = job;
     for (; this.next <= index && 3 * this.next < sizes.length; ++this.next) {
@@ -102,17 +103,31 @@ export class VideoGroups {
         if (planes === 0) throw new ModuleError("there is not enough memory for a frame");
         return { depth: module.bytes(planes, pixels * 3), colors: module.bytes(planes + pixels * 3, colors ? pixels * 3 / 2 : 0) };
       });
-      decoding.readTo(job, index + 1);
+      this.readAhead(decoding, job, index + 1);
       const [options] = module.put(job.options);
       module.check("pr_prepare_video", job.key, pictures.handle, planes, colors ? planes + 3 * pixels : 0, tables, options!);
     } catch (error) {
-      this.decodings = this.decodings.filter((other) => other !== decoding);
-      decoding.free();
+      this.drop(decoding);
       throw error;
     } finally {
       module.call("pr_free", planes);
       if (pictures) drop(module, pictures);
     }
+  }
+
+  /** The browser decodes the next frame while this one is made. If it is damaged, that concerns only whoever asks for it. */
+  private readAhead(decoding: Decoding, job: Prepare, index: number): void {
+    try {
+      decoding.readTo(job, index);
+    } catch (error) {
+      if (!(error instanceof ModuleError)) throw error;
+      this.drop(decoding);
+    }
+  }
+  private drop(decoding: Decoding): void {
+    if (!this.decodings.includes(decoding)) return;
+    this.decodings = this.decodings.filter((other) => other !== decoding);
+    decoding.free();
   }
 
   private decodingOf(group: number, index: number): Decoding {

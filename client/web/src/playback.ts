@@ -263,7 +263,10 @@ export class ReelPlayback {
   /** Time stands still while what is needed has not come. */
   private hold(frame: number, upcoming: readonly number[], playing: boolean, speed: number): void {
     if (this.seeking === "jump") {
-      if (this.shown?.frame !== frame && this.store.end(frame, this.wanted) > 0) return;
+      const end = this.store.end(frame, this.scrubbing ? { ...this.wanted, end: 1 } : this.wanted);
+      // The octree below a video only fills the time until that is decoded.
+      const isThere = this.shown?.frame === frame && (this.reel.groupFrames === 0 || this.shown.layers >= end);
+      if (!isThere && end > 0) return;
       // A picture alone is not enough to play on from.
       this.seeking = playing && upcoming.length > 0 && this.ahead.fetched === 0 ? "starved" : null;
       if (!this.seeking) this.clock.release();

@@ -395,7 +395,8 @@ export class Player {
   }
 
   private look(): Look {
-    const resting = !this.display && performance.now() - this.moved > MOVES && !(this.reel && this.playing) && !this.reel?.scrubbing;
+    const isWanted = (this.reel && this.playing) || this.reel?.scrubbing || this.reel?.isSeeking;  // the next picture, soon
+    const resting = !this.display && performance.now() - this.moved > MOVES && !isWanted;
     if (resting !== this.rested) {
       this.rested = resting;
       this.lookNumber += 1;

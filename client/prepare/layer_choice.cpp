@@ -12,8 +12,8 @@ bool draws_normals(DrawMode mode, bool colored, bool shown) {
   return shown || mode == DrawMode::surfel || mode == DrawMode::strip || !colored;
 }
 
-/// Nodes are judged by the mean silhouette of a cube, 1.5 faces (cut.h); pixels of video lie on the
-/// surface, and may be wider by the root of that.
+/// Nodes are judged by the mean silhouette of a cube, 1.5 faces; pixels of video lie on the
+/// surface, and may be wider by the root of that (common/FORMULAS.md, "Points of video").
 constexpr float kSurfacePixel = 1.2247449f;
 
 int level_for(const Manifest& manifest, const Camera& camera, glm::ivec2 size, float pixel_size) {

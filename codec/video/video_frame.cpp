@@ -114,8 +114,7 @@ Result<DecodedFrame> make_frame(const VideoPictures& pictures, const DecodeLimit
       std::accumulate(depths.points.begin(), depths.points.end(), left.size()));
   CoarsePictures coarse;
   for (int i = halvings(group->pitch, limits.spacing); i > 0; --i) {
-    CoarsePictures next = halve(*group, depths, colors, limits.executor);
-    coarse = std::move(next);
+    coarse = halve(*group, depths, colors, limits.executor);
     group = &coarse.group;
     depths = std::move(coarse.depths);
     colors = coarse.colors ? &*coarse.colors : nullptr;

@@ -19,6 +19,7 @@ const seek = async (tab, frame) => {
   assert.equal(await ask(tab, "player.frame"), frame);
 };
 const layers = (tab) => ask(tab, "player.player.reel.shown.layers");
+
 test("a reel of video plays, and a seek shows exactly that frame", async () => {
   const { tab, close } = await openTab(browser, `http://127.0.0.1:${port}/video#t=0`);
   await settled(tab);
@@ -52,9 +53,8 @@ test("it plays backward", async () => {
   await close();
 });
 
-test("a damaged frame of video shows its octree, and says so; other groups are whole", async () => {
+test("a damaged frame of video shows its octree, and says so", async () => {
   const other = await serve(page, [reel], [], { damage: (path, bytes) => {
-    // The first group of the first segment.
     if (/\.video\./.test(path)) for (let i = 3000; i < Math.min(bytes.length, 3400); ++i) bytes[i] ^= 0x55;
     return bytes;
   } });

@@ -162,11 +162,9 @@ const PrRange* pr_reel_ranges(const PrReel* reel, std::uint32_t frame, const PrL
     return nullptr;
   }
   double layer = layers->first;
+  const std::uint32_t index = locate(reel->manifest, frame).index;
   for (const FileRange& range : *wanted) {
-    std::uint64_t offset = range.offset;
-    if (!range.group.empty())  // which begins there
-      for (const Chunks<std::uint32_t>& sizes : range.group.first(range.index))
-        offset += total(sizes);
+    const std::uint64_t offset = byte_range(*range.file, index).offset;
     ranges.push_back(
         {layer++, static_cast<double>(offset), static_cast<double>(range.sizes.geometry),
          static_cast<double>(range.sizes.colors), static_cast<double>(range.sizes.normals)});

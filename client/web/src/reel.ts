@@ -64,6 +64,7 @@ export class Reel {
   readonly groupFrames: number;
   readonly timesUs: Float64Array;
   private readonly files = new Map<number, string>();
+  private readonly groups = new Map<number, { first: number; frames: number }>();
 
   /** `handle`: a PrReel. */
   constructor(readonly module: Module, readonly handle: number) {
@@ -95,8 +96,12 @@ export class Reel {
   /** The frames whose chunks of a layer are of use only together, for a frame of them. */
   group(frame: number, layer: number): { first: number; frames: number } {
     if (this.groupFrames === 0 || layer === 0) return { first: frame, frames: 1 };
-    const [first, frames] = this.module.doubles(this.module.call("pr_reel_group", this.handle, frame), 2);
-    return { first: first!, frames: frames! };
+    let group = this.groups.get(frame);
+    if (!group) {
+      const [first, frames] = this.module.doubles(this.module.call("pr_reel_group", this.handle, frame), 2);
+      this.groups.set(frame, group = { first: first!, frames: frames! });
+    }
+    return group;
   }
   file(segment: number, layer: number): string {
     const key = segment * 8 + layer;

@@ -2,7 +2,12 @@
 
 #include <cstddef>
 #include <optional>
+#include <vector>
 
+#include <glm/glm.hpp>
+#include <glm/gtc/type_precision.hpp>
+
+#include "codec/surface/support.h"
 #include "pointreel/cloud.h"
 #include "pointreel/executor.h"
 
@@ -34,6 +39,14 @@ struct CleanReport {
   double cell = 0.0;
 };
 
+/// What the points that cleaning leaves were before, and what was measured around them. Empty if
+/// the cloud was not cleaned.
+struct BeforeCleaning {
+  std::vector<glm::vec3> positions;
+  std::vector<glm::u16vec3> colors;  ///< empty if the cloud has none
+  std::vector<Measured> measured;
+};
+
 /// Moves the points of a scanned cloud onto the surface that they are noisy samples of
 /// (point_surface.h), gives them its normals, and removes points that no surface supports, such as
 /// those between an edge and what lies behind it. Where there is much noise, colours become means
@@ -55,6 +68,6 @@ struct CleanReport {
 /// The cloud's positions are finite (`sanitize`). The result depends neither on the order of the
 /// points nor on the executor. O(n) for scans of surfaces.
 CleanReport clean(PointCloud& cloud, const CleanOptions& options = {},
-                  const Executor& executor = {});
+                  const Executor& executor = {}, BeforeCleaning* before = nullptr);
 
 }  // namespace pointreel

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace pointreel {
 namespace {
@@ -65,12 +64,9 @@ void split(std::span<const PointNormal> all, std::span<std::uint32_t> points,
 
 }  // namespace
 
-void append_rows(std::span<const PointNormal> all, std::uint32_t first, std::uint32_t end,
+void append_rows(std::span<const PointNormal> all, std::span<std::uint32_t> points,
                  std::vector<PointRow>& rows) {
-  if (first == end) return;
-  std::vector<std::uint32_t> points(end - first);
-  std::iota(points.begin(), points.end(), first);
-  split(all, points, rows);
+  if (!points.empty()) split(all, points, rows);
 }
 
 }  // namespace pointreel

@@ -24,9 +24,9 @@ struct alignas(sizeof(Lanes)) PointRow {
   float radius = 0.0f;                       ///< of that sphere
 };
 
-/// Distributes the points first ... end - 1 over rows that are as compact as possible, and appends
-/// these. All rows but one are full. O(n log n).
-void append_rows(std::span<const PointNormal> all, std::uint32_t first, std::uint32_t end,
+/// Distributes some of the points over rows that are as compact as possible, and appends these. All
+/// rows but one are full. Changes the order of `points`. O(n log n).
+void append_rows(std::span<const PointNormal> all, std::span<std::uint32_t> points,
                  std::vector<PointRow>& rows);
 
 }  // namespace pointreel

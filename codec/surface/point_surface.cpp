@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -54,6 +55,10 @@ bool is_crowded(const SortedPoints& sorted, int level) {
     first = end;
   }
   return static_cast<double>(crowded) > kMostCrowded * static_cast<double>(points.size());
+}
+
+std::span<const std::uint32_t> points_of(const PointRow& row) {
+  return std::span(row.points).first(row.count);
 }
 
 /// From a point of a row to the nearest other one, along `normal`. 0 if there is no other one.
@@ -128,11 +133,12 @@ struct PointSurface::RowPlaces {
   float reach = 0.0f;  ///< of the ball around the row whose points are known to be near
 
   RowPlaces(const PointRow& points, std::span<const PointNormal> all, std::span<const float> radii,
-            float least_cosine)
+            float least_cosine, std::span<const glm::vec3> normals = {})
       : row(points) {
     for (std::size_t lane = 0; lane < row.count; ++lane) {
       const std::uint32_t i = row.points[lane];
-      const auto& [position, normal] = all[i];
+      const glm::vec3& position = all[i].position;
+      const glm::vec3& normal = normals.empty() ? all[i].normal : normals[i];
       start_x[lane] = position.x;
       start_y[lane] = position.y;
       start_z[lane] = position.z;
@@ -229,7 +235,9 @@ void PointSurface::make_rows() {
       continue;
     }
     node.first_row = static_cast<std::uint32_t>(rows_.size());
-    append_rows(points_, node.begin, node.end, rows_);
+    std::vector<std::uint32_t> points(node.end - node.begin);
+    std::iota(points.begin(), points.end(), node.begin);
+    append_rows(points_, points, rows_);
     node.end_row = static_cast<std::uint32_t>(rows_.size());
   }
   const auto is_bundle = [](const Node& node) { return node.end_row > node.first_row; };
@@ -348,8 +356,8 @@ void PointSurface::gather(const Group& group, Nearby& nearby) const {
   }
 }
 
-/// Calls `work(row, nearby)` for one in `one_in` rows that have a point with a radius, after
-/// gathering what is near.
+/// Calls `work(row, nearby)` for the points with a radius of one in `one_in` rows, after gathering
+/// what is near. Where few points have one, they share rows of their own.
 template <class Work>
 void PointSurface::for_each_row(std::span<const float> radii, std::uint32_t one_in,
                                 const Executor& executor, const Work& work) const {
@@ -359,12 +367,25 @@ void PointSurface::for_each_row(std::span<const float> radii, std::uint32_t one_
   for_each(executor, static_cast<int>(tasks), [&](int task) {
     Nearby nearby;
     const std::size_t begin = static_cast<std::size_t>(task) * kGroupsPerTask;
+    std::vector<std::uint32_t> wanted;
+    std::vector<PointRow> rows;
     for (std::size_t i = begin; i < std::min(begin + kGroupsPerTask, all.size()); ++i) {
       const Node& node = nodes_[all[i].node];
       const std::uint32_t first = (node.first_row + one_in - 1) / one_in * one_in;
       if (first >= node.end_row) continue;
       gather(all[i], nearby);
-      for (std::uint32_t row = first; row < node.end_row; row += one_in) work(rows_[row], nearby);
+      rows.clear();
+      wanted.clear();
+      for (std::uint32_t row = first; row < node.end_row; row += one_in) {
+        rows.push_back(rows_[row]);
+        for (const std::uint32_t point : points_of(rows_[row]))
+          if (radii[point] > 0.0f) wanted.push_back(point);
+      }
+      if (2 * wanted.size() < kLanes * rows.size()) {
+        rows.clear();
+        append_rows(points_, wanted, rows);
+      }
+      for (const PointRow& row : rows) work(row, nearby);
     }
   });
 }
@@ -416,10 +437,11 @@ void PointSurface::fit_normals(std::span<const float> radii, const Executor& exe
 }
 
 std::vector<SurfaceSample> PointSurface::project(std::span<const float> radii, double beta,
-                                                 int steps, const Executor& executor) const {
+                                                 int steps, const Executor& executor,
+                                                 std::span<const glm::vec3> normals) const {
   std::vector<SurfaceSample> samples(points_.size());
   for_each_row(radii, 1, executor, [&](const PointRow& row, Nearby& nearby) {
-    RowPlaces at(row, points_, radii, kLeastCosine);
+    RowPlaces at(row, points_, radii, kLeastCosine, normals);
     LaneMask alive = at.wanted;
     PlaceSums sums;
     for (int step = 0; step < steps; ++step) {
@@ -476,10 +498,11 @@ void PointSurface::fit_patches(std::span<const float> radii, double beta,
 
 std::vector<glm::vec3> PointSurface::weighted_means(std::span<const float> radii,
                                                     std::span<const glm::vec3> values,
-                                                    const Executor& executor) const {
+                                                    const Executor& executor,
+                                                    std::span<const glm::vec3> normals) const {
   std::vector<glm::vec3> means(values.begin(), values.end());
   for_each_row(radii, 1, executor, [&](const PointRow& row, Nearby& nearby) {
-    RowPlaces at(row, points_, radii, 0.0f);
+    RowPlaces at(row, points_, radii, 0.0f, normals);
     at.look_around(rows_, at.wanted, nearby);
     const Places& places = at.places;
     Lanes w{}, x{}, y{}, z{};

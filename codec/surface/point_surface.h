@@ -83,8 +83,11 @@ class PointSurface {
   /// led, and the point where it began goes to the sphere ("almost orthogonal projection", section
   /// 4.2). A step that leads further away than the radius is not taken, and the point then has no
   /// surface.
+  /// `normals`: of the places, for points that have none because they take no part; empty: those of
+  /// the points.
   std::vector<SurfaceSample> project(std::span<const float> radii, double beta, int steps,
-                                     const Executor& executor = {}) const;
+                                     const Executor& executor = {},
+                                     std::span<const glm::vec3> normals = {}) const;
 
   /// Fits the surface around the points that have a radius. The others' patches stay as they are.
   void fit_patches(std::span<const float> radii, double beta, std::span<SurfacePatch> patches,
@@ -92,9 +95,11 @@ class PointSurface {
 
   /// The means of `values` around each point, with the weights of the surface. Points whose normal
   /// is more than a right angle away do not count.
+  /// `normals`: as above.
   std::vector<glm::vec3> weighted_means(std::span<const float> radii,
                                         std::span<const glm::vec3> values,
-                                        const Executor& executor = {}) const;
+                                        const Executor& executor = {},
+                                        std::span<const glm::vec3> normals = {}) const;
 
   /// The means of `values` around each point: over the smallest octree cell that, together with the
   /// cells around it, has at least `points` of them. Values whose first number is negative do not

@@ -1,0 +1,175 @@
+#include "codec/surface/clean_in_time.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "codec/surface/mean_colors.h"
+#include "codec/surface/point_surface.h"
+#include "codec/surface/support.h"
+#include "common/base/for_each.h"
+#include "common/base/median.h"
+
+namespace pointreel {
+namespace {
+
+/// The edge of the finest pieces of surface, in radii of support: pieces then hold some ten points.
+constexpr double kPieceOfRadius = 0.4;
+/// Surfaces of two frames are the same if they are no further apart than so many times the noise.
+constexpr double kTolerance = 1.0;
+/// Noise that is alike at neighbouring points looks like shape within a frame, but not between
+/// frames. Where this many frames count, or more, it is so many times what a frame shows.
+constexpr float kFramesForHidden = 3.0f;
+constexpr float kHidden = 1.4f;
+
+/// What another frame contributes: its points as they would be in the frame that is cleaned.
+struct Carried {
+  PointCloud points;                 ///< where they were measured, with normals
+  std::vector<glm::vec3> positions;  ///< where cleaning alone has put them
+};
+
+Carried carry(const CleanedFrame& other, const CleanedFrame& frame) {
+  const auto motions = surface_motion(other.pieces, other.cloud.positions, frame.pieces,
+                                      static_cast<float>(kTolerance * frame.report.noise));
+  Carried carried;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    if (!motions[i]) continue;
+    carried.positions.push_back((*motions[i])(other.cloud.positions[i]));
+    carried.points.positions.push_back((*motions[i])(other.before.positions[i]));
+    carried.points.normals.push_back(motions[i]->rotation * other.cloud.normals[i]);
+    if (other.cloud.has_colors()) carried.points.colors.push_back(other.before.colors[i]);
+  }
+  return carried;
+}
+
+std::vector<Carried> carry(std::span<const CleanedFrame* const> others, const CleanedFrame& frame,
+                           const Executor& executor) {
+  std::vector<Carried> carried(others.size());
+  for_each(executor, static_cast<int>(others.size()), [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    carried[at] = carry(*others[at], frame);
+  });
+  return carried;
+}
+
+void append(PointCloud& to, const PointCloud& more) {
+  to.positions.insert(to.positions.end(), more.positions.begin(), more.positions.end());
+  to.normals.insert(to.normals.end(), more.normals.begin(), more.normals.end());
+  to.colors.insert(to.colors.end(), more.colors.begin(), more.colors.end());
+}
+
+/// The points of the frame where cleaning alone has put them, without normals: these are to move,
+/// and have no say. Then all points where they were measured.
+PointCloud all_points(const CleanedFrame& frame, std::span<const Carried> carried) {
+  PointCloud all;
+  all.origin = frame.cloud.origin;
+  all.positions = frame.cloud.positions;
+  all.normals.assign(all.size(), glm::vec3(0.0f));
+  all.colors = frame.before.colors;
+  append(all, {{}, frame.before.positions, frame.cloud.normals, frame.before.colors, {}, {}});
+  for (const Carried& more : carried) append(all, more.points);
+  return all;
+}
+
+/// How many times denser all points are around each point of the frame than its own.
+std::vector<float> densities(const CleanedFrame& frame, std::span<const Carried> carried) {
+  struct Count {
+    float own = 0.0f, all = 0.0f;
+  };
+  std::unordered_map<GridCell, Count, GridCell::Hash> counts;
+  const float edge = frame.pieces.levels.at(1).cell;
+  for (const glm::vec3& position : frame.cloud.positions)
+    counts[GridCell::at(position / edge)].own += 1.0f;
+  for (const Carried& more : carried) {
+    for (const glm::vec3& position : more.positions) {
+      const auto found = counts.find(GridCell::at(position / edge));
+      if (found != counts.end()) found->second.all += 1.0f;
+    }
+  }
+  std::vector<float> denser;
+  for (const glm::vec3& position : frame.cloud.positions) {
+    const Count& count = counts[GridCell::at(position / edge)];
+    denser.push_back(
+        std::min(1.0f + count.all / count.own, static_cast<float>(1 + carried.size())));
+  }
+  return denser;
+}
+
+/// What would be measured around each point of the frame among all points.
+std::vector<Measured> measured_among_all(const CleanedFrame& frame,
+                                         std::span<const Carried> carried) {
+  std::vector<Measured> measured = frame.before.measured;
+  const std::vector<float> denser = densities(frame, carried);
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    const float share = std::min((denser[i] - 1.0f) / (kFramesForHidden - 1.0f), 1.0f);
+    measured[i].noise *= 1.0f + (kHidden - 1.0f) * share;
+    measured[i].spacing /= std::sqrt(denser[i]);
+  }
+  return measured;
+}
+
+/// From the order of the frame's points to that of the surface. Others have the value `other`.
+template <class T>
+std::vector<T> in_order(const std::vector<T>& of_points, const PointSurface& surface,
+                        const T& other) {
+  std::vector<T> out(surface.order().size(), other);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const std::uint32_t index = surface.order()[i].index;
+    if (index < of_points.size()) out[i] = of_points[index];
+  }
+  return out;
+}
+
+}  // namespace
+
+CleanedFrame clean_alone(PointCloud cloud, const CleanOptions& options, const Executor& executor) {
+  CleanedFrame frame;
+  frame.cloud = std::move(cloud);
+  frame.report = clean(frame.cloud, options, executor, &frame.before);
+  if (frame.report.cleaned)
+    frame.pieces =
+        surface_pyramid(frame.cloud, static_cast<float>(kPieceOfRadius * frame.report.radius));
+  return frame;
+}
+
+std::optional<CleanedInTime> clean_in_time(const CleanedFrame& frame,
+                                           std::span<const CleanedFrame* const> around,
+                                           const CleanOptions& options, const Executor& executor) {
+  if (!frame.report.cleaned) return std::nullopt;
+  std::vector<const CleanedFrame*> others;
+  for (const CleanedFrame* other : around)
+    if (other->report.cleaned && other->cloud.has_colors() == frame.cloud.has_colors() &&
+        other->before.positions != frame.before.positions)
+      others.push_back(other);
+  if (others.empty()) return std::nullopt;
+
+  const std::vector<Carried> carried = carry(others, frame, executor);
+  PointCloud all = all_points(frame, carried);
+  const std::vector<Measured> own = measured_among_all(frame, carried);
+  const std::vector<float> own_radii =
+      options.radius ? std::vector<float>(own.size(), static_cast<float>(*options.radius))
+                     : support(own);
+  CleanedInTime out{frame.cloud, frame.report};
+  out.report.radius = median(own_radii);
+
+  const PointSurface surface(all, executor);
+  const std::vector<float> radii = in_order(own_radii, surface, 0.0f);
+  const std::vector<glm::vec3> normals = in_order(frame.cloud.normals, surface, glm::vec3(0.0f));
+  const std::vector<SurfaceSample> samples =
+      surface.project(radii, options.beta, 1, executor, normals);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!(samples[i].weight > 0.0f)) continue;
+    const std::uint32_t index = surface.order()[i].index;
+    out.cloud.positions[index] = samples[i].position;
+    out.cloud.normals[index] = samples[i].normal;
+  }
+  if (all.has_colors()) {
+    mean_colors(all, surface, in_order(own, surface, Measured{}), radii, executor, normals);
+    std::copy_n(all.colors.begin(), own.size(), out.cloud.colors.begin());
+  }
+  return out;
+}
+
+}  // namespace pointreel

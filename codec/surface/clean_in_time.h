@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "codec/surface/clean.h"
+#include "codec/surface/surface_motion.h"
+#include "pointreel/cloud.h"
+#include "pointreel/executor.h"
+
+namespace pointreel {
+
+/// A frame that was cleaned by itself, and what it takes to clean frames near it in time.
+struct CleanedFrame {
+  PointCloud cloud;  ///< as `clean` leaves it, which is with normals if it was cleaned
+  CleanReport report;
+  BeforeCleaning before;
+  SurfacePyramid pieces;
+};
+
+CleanedFrame clean_alone(PointCloud cloud, const CleanOptions& options,
+                         const Executor& executor = {});
+
+/// A frame, cleaned again with what the frames around it in time say about the same surface.
+struct CleanedInTime {
+  PointCloud cloud;  ///< the points of the frame that cleaning alone leaves, with normals
+  CleanReport report;
+};
+
+/// The points of the frames around it, as they were measured, are carried along by the motion of
+/// the surface (surface_motion.h). The surface is then fitted to all of them, within a radius that
+/// is smaller because they are denser. Where the surface of another frame has not the same shape,
+/// because it moves too fast, or because it was hidden or is somewhere else, that frame has no say;
+/// where none has, the frame is cleaned about as it is alone. Other frames count if they were
+/// cleaned, if both or none have colours, and if they are not the same frame again. Points have the
+/// colours, normals and places of the surface; nothing is added.
+///
+/// Nothing if the frame was not cleaned, or no other frame counts. Takes some three times as long
+/// as `clean` with four other frames. The result does not depend on the executor.
+std::optional<CleanedInTime> clean_in_time(const CleanedFrame& frame,
+                                           std::span<const CleanedFrame* const> around,
+                                           const CleanOptions& options,
+                                           const Executor& executor = {});
+
+}  // namespace pointreel

@@ -24,7 +24,7 @@ class Av1Decoder::Impl {
   bool open(int threads) {
     Dav1dSettings settings;
     dav1d_default_settings(&settings);
-    settings.n_threads = std::max(1, threads);
+    settings.n_threads = std::clamp(threads, 1, DAV1D_MAX_THREADS);
     settings.max_frame_delay = 1;
     settings.apply_grain = 0;
     settings.frame_size_limit =

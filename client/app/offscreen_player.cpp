@@ -44,6 +44,9 @@ std::uint64_t microseconds(double seconds) {
 /// How often the player looks for trouble to report, at least.
 constexpr milliseconds kLookPeriod{100};
 
+/// A server that has sent nothing for so long is not expected to go on before the duration ends.
+constexpr std::chrono::seconds kSilence{5};
+
 class OffscreenPlayer {
  public:
   OffscreenPlayer(const PlayOptions& options, const std::stop_token& stop)
@@ -216,14 +219,18 @@ class OffscreenPlayer {
   }
 
   /// Waits until the frame is ready or has failed. It is still waiting if playing was stopped, or
-  /// if the duration has passed and nothing has come over the network at all.
+  /// if the duration has passed and nothing comes over the network any more.
   FrameBuffer::State await(ReelPlayback& reel, std::uint32_t frame) {
     FrameBuffer::State state = FrameBuffer::State::waiting;
+    std::uint64_t fetched = 0;
+    auto silent_since = steady_clock::now();
     while (state == FrameBuffer::State::waiting && !stop_.stop_requested()) {
       state = reel.await(frame, milliseconds(50));
       troubles_.look(*stage_, progress_ ? &*progress_ : nullptr);
-      if (steady_clock::now() >= patience_ends_ && is_remote() &&
-          reel.statistics().fetched_bytes == 0)
+      const auto now = steady_clock::now();
+      if (std::exchange(fetched, reel.statistics().fetched_bytes) != fetched) silent_since = now;
+      if (options_.duration && now >= patience_ends_ && is_remote() &&
+          (fetched == 0 || now - silent_since >= kSilence))
         break;
     }
     return state;

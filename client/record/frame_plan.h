@@ -2,15 +2,17 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "client/playback/clock.h"
 #include "client/record/frame_rate.h"
 
 namespace pointreel {
 
-/// The frames of a reel that are drawn if there is no clock: each one once and in order. They begin
-/// with the frame shown at a time of the reel, and end at the end of the reel or after a duration.
-/// If the reel loops, there is no end without a duration.
+/// The frames of a reel that are drawn if there is no clock: each one once and in order, but for
+/// those that end when they begin, which a cut of video keeps to decode the others. They begin with
+/// the frame shown at a time of the reel, and end at the end of the reel or after a duration. If
+/// the reel loops, there is no end without a duration.
 class FramePlan {
  public:
   FramePlan(const Timeline& timeline, std::uint64_t at_us,
@@ -29,9 +31,11 @@ class FramePlan {
   std::optional<FrameRate> rate() const;
 
  private:
-  const Timeline timeline_;
+  const std::uint64_t duration_us_;
   const bool loop_;
-  const std::uint32_t first_;
+  std::vector<std::uint32_t> frames_;    ///< that are drawn
+  std::vector<std::uint64_t> times_us_;  ///< when each of them begins
+  std::uint64_t first_ = 0;              ///< of them
   std::optional<std::uint64_t> count_;
 };
 

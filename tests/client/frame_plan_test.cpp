@@ -31,6 +31,15 @@ TEST(FramePlan, begins_at_the_frame_that_is_visible_at_the_start_time) {
   EXPECT_EQ(plan.picture(1).time_us, 600'000u);
 }
 
+TEST(FramePlan, leaves_out_frames_that_end_when_they_begin) {
+  const Timeline joined{{0, 0, 0, 100'000, 200'000, 200'000, 300'000}, 400'000};
+  const FramePlan plan(joined, 0, std::nullopt, false);
+  EXPECT_EQ(frames(plan), (std::vector<std::uint32_t>{2, 3, 5, 6}));
+  EXPECT_EQ(plan.rate(), (FrameRate{10, 1}));
+  EXPECT_EQ(frames(FramePlan(joined, 250'000, std::nullopt, false)),
+            (std::vector<std::uint32_t>{5, 6}));
+}
+
 TEST(FramePlan, ends_after_its_duration_even_across_several_passes) {
   EXPECT_EQ(frames(FramePlan(kUneven, 0, 700'000, false)), (std::vector<std::uint32_t>{0, 1}));
   EXPECT_EQ(frames(FramePlan(kUneven, 0, 700'001, false)), (std::vector<std::uint32_t>{0, 1, 2}));

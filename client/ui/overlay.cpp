@@ -24,6 +24,20 @@ void begin_text(const char* id, ImVec2 corner, ImVec2 size) {
                    ImGuiWindowFlags_NoNav);
 }
 
+/// More does not fit a window, and ImGui cannot draw 16,384 letters at once.
+constexpr std::size_t kMostText = 2000;
+
+bool begins_character(char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }
+
+/// Without the middle of texts, such as addresses, that are too long.
+std::string shortened(const std::string& text) {
+  if (text.size() <= kMostText) return text;
+  std::size_t head = kMostText / 2, tail = text.size() - kMostText / 2;
+  while (!begins_character(text[head])) --head;
+  while (tail < text.size() && !begins_character(text[tail])) ++tail;
+  return text.substr(0, head) + " ... " + text.substr(tail);
+}
+
 constexpr float kKeyPad = 5.0f, kKeyGap = 3.0f;
 
 ImVec2 key_size(std::string_view key, float scale) {
@@ -57,14 +71,16 @@ float keys_width(std::span<const HelpLine> lines, float scale) {
 
 }  // namespace
 
-void draw_said(const std::string& text, float scale) {
+void draw_said(const std::string& said, float scale) {
+  const std::string text = shortened(said);
   ImGui::SetNextWindowBgAlpha(0.6f);
   begin_text("said", ImVec2(14.0f * scale, 14.0f * scale), ImGui::CalcTextSize(text.c_str()));
   ImGui::TextUnformatted(text.c_str());
   ImGui::End();
 }
 
-void draw_waiting(const std::string& text, glm::vec2 size, float scale, double seconds) {
+void draw_waiting(const std::string& what, glm::vec2 size, float scale, double seconds) {
+  const std::string text = shortened(what);
   const float line = ImGui::GetTextLineHeight(), r = 0.42f * line;
   const ImVec2 words = ImGui::CalcTextSize(text.c_str());
   const float indent = 2.0f * r + ImGui::GetStyle().ItemSpacing.x;
@@ -129,7 +145,7 @@ void draw_legend(const Legend& legend, glm::vec2 corner, float scale) {
 
 float draw_error(const std::string& text, const std::string& hint, glm::vec2 size, float scale) {
   const float width = std::max(1.0f, size.x - 44.0f * scale);
-  const std::string all = hint.empty() ? text : text + "\n" + hint;
+  const std::string all = shortened(text) + (hint.empty() ? "" : "\n" + hint);
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.36f, 0.07f, 0.07f, 0.94f));
   begin_text("error", ImVec2(14.0f * scale, 14.0f * scale),
              ImGui::CalcTextSize(all.c_str(), nullptr, false, width));

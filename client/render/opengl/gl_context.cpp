@@ -89,6 +89,18 @@ tl::unexpected<Error> cannot_open() {
   return fail(ErrorCode::unsupported, "cannot open a window: " + glfw_error());
 }
 
+/// Xlib ends the program on errors such as a drag whose window has gone before GLFW answers it.
+/// There is nothing to do about them. Does nothing where GLFW has not loaded Xlib.
+void outlive_x_errors() {
+  void* const xlib = dlopen("libX11.so.6", RTLD_LAZY | RTLD_NOLOAD);
+  if (xlib == nullptr) return;
+  using Handler = int (*)(void* display, void* error);
+  using SetHandler = Handler (*)(Handler);
+  if (void* const set = dlsym(xlib, "XSetErrorHandler"))
+    reinterpret_cast<SetHandler>(set)([](void*, void*) { return 0; });
+  dlclose(xlib);
+}
+
 }  // namespace
 
 std::string describe_opengl() {
@@ -150,6 +162,7 @@ OffscreenContext::~OffscreenContext() {
 
 Result<WindowContext> WindowContext::create(const std::string& title, int width, int height) {
   if (!glfwInit()) return cannot_open();
+  outlive_x_errors();
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -180,6 +193,7 @@ Result<WindowContext> WindowContext::create(const std::string& title, int width,
 Result<WindowContext> WindowContext::create_of_any_version(const std::string& title, int width,
                                                            int height) {
   if (!glfwInit()) return cannot_open();
+  outlive_x_errors();
   glfwDefaultWindowHints();
   GLFWwindow* window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (!window) {

@@ -57,13 +57,13 @@ export class Content {
 
   /**
    * `sources`: the address of a reel.json, or those of live streams. `base`: where the player's files are.
-   * Calls `changed` when there may be something else to show.
+   * Calls `changed` when there may be something else to show, and `waits` when the link is the reason that nothing is.
    */
   static async open(base: URL, sources: readonly string[], token: string | null, options: ContentOptions & PlayerState,
-                    changed: () => void, signal: AbortSignal): Promise<Content> {
+                    changed: () => void, waits: (why: string | null) => void, signal: AbortSignal): Promise<Content> {
     const urls = sources.map((source) => new URL(source, document.baseURI));
     const isLive = urls.every((url) => /^wss?:$/.test(url.protocol));
-    const fetcher = isLive ? null : new Fetcher(urls[0]!, token);
+    const fetcher: Fetcher | null = isLive ? null : new Fetcher(urls[0]!, token, () => waits(fetcher!.trouble));
     const [manifest, { assets, module }] = await Promise.all([fetcher?.manifest(signal), load(base)]);
     signal.throwIfAborted();
     const content = new Content(base, module, assets, fetcher, signal);

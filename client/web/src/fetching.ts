@@ -12,6 +12,18 @@ const KEPT_BYTES = 64 << 20;
 const MOST_UNREAD = 10;
 const sleep = (ms: number) => new Promise((resolve) => setTimeout(resolve, ms));
 
+/** Not in older browsers, in which requests that are not answered stay open. */
+const anyOf = (AbortSignal as { any?: (signals: AbortSignal[]) => AbortSignal }).any;
+
+/** What `coming` gives, unless it takes so long that nothing more is to be expected. */
+async function unlessStalled<T>(coming: Promise<T>): Promise<T> {
+  let timer = 0;
+  const stalled = new Promise<never>((_, reject) => {
+    timer = window.setTimeout(() => reject(new Error("the server sends nothing")), STALL_MS);
+  });
+  return Promise.race([coming, stalled]).finally(() => clearTimeout(timer));
+}
+
 /** What a person should know of an answer that is not the content. */
 export function refusal(response: Response): string {
   if (response.status === 401)
@@ -36,7 +48,8 @@ export class Fetcher {
   /** What is wrong with the link at the moment, if anything. */
   trouble: string | null = null;
 
-  constructor(private readonly base: URL, private readonly token: string | null) {}
+  /** `troubled` is called when something is wrong. */
+  constructor(private readonly base: URL, private readonly token: string | null, private readonly troubled: () => void) {}
 
   /** What came since the last call. */
   takeUse(): LinkUse {
@@ -121,11 +134,16 @@ export class Fetcher {
     this.requests += 1;
     this.count();
     this.active += 1;
+    const unanswered = new AbortController();
+    const either = anyOf ? anyOf([signal, unanswered.signal]) : signal;
     try {
-      const response = await fetch(url, { ...init, headers, signal });
+      const response = await unlessStalled(fetch(url, { ...init, headers, signal: either }));
       if (response.ok) return response;
       const why = `${url.pathname}: ${refusal(response)}`;
       throw PASSING.has(response.status) ? new Error(why) : new FetchError(why);
+    } catch (error) {
+      unanswered.abort();
+      throw error;
     } finally {
       this.count();
       this.active -= 1;
@@ -142,11 +160,7 @@ export class Fetcher {
     this.active += 1;
     try {
       for (;;) {
-        let timer = 0;
-        const stalled = new Promise<never>((_, reject) => {
-          timer = window.setTimeout(() => reject(new Error("the server sends nothing")), STALL_MS);
-        });
-        const { done, value } = await Promise.race([reader.read(), stalled]).finally(() => clearTimeout(timer));
+        const { done, value } = await unlessStalled(reader.read());
         if (done) break;
         parts.push(value);
         length += value.length;
@@ -185,6 +199,7 @@ export class Fetcher {
           throw new FetchError(`${this.base.host} does not answer, or does not let this page read; with pointreel-server: ` +
                                `serve --allow-origin ${location.origin}`);
         this.trouble = error instanceof TypeError ? "no connection to the server" : (error as Error).message;
+        this.troubled();
         await sleep(pause * (1 - Math.random() / 3));
         if (signal.aborted) throw error;
       }

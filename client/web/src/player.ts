@@ -91,6 +91,7 @@ export class Player {
   display: Display | null = null;
   private seen: WholeView | null = null;
   private opening: AbortController | null = null;
+  private waitsFor: string | null = null;
   private scheduled = 0;
   private lookNumber = 1;
   private moved = 0;
@@ -129,7 +130,7 @@ export class Player {
   /** What is wrong at the moment, in one line, or null. */
   get trouble(): string | null {
     const { color, light } = this.settings, lacksLight = this.renderer?.canShade === false && isShadedLate(color, light);
-    return this.error ?? this.content?.trouble ?? this.missingField() ?? this.environment?.trouble ??
+    return this.error ?? (this.content ? this.content.trouble : this.waitsFor) ?? this.missingField() ?? this.environment?.trouble ??
       (lacksLight ? "this graphics driver cannot draw light and false colours" : null);
   }
 
@@ -161,7 +162,8 @@ export class Player {
     this.wantsLoop = options.loop;
     let content: Promise<Content> | null = null;
     try {
-      content = Content.open(this.base, sources, token, { ...options, muted: this.isMuted }, () => this.schedule(), opening.signal);
+      content = Content.open(this.base, sources, token, { ...options, muted: this.isMuted }, () => this.schedule(),
+                             (why) => this.tellWaiting(why), opening.signal);
       content.catch(() => undefined);
       // While it is on its way, the driver makes a context and compiles.
       await this.makeRenderer(opening.signal);
@@ -203,7 +205,7 @@ export class Player {
     this.opening?.abort();
     this.content?.free();
     this.content = null;
-    this.error = null;
+    this.error = this.waitsFor = null;
     this.hasMoved = this.hasBounds = false;
     this.pictures = 0;
   }
@@ -221,6 +223,11 @@ export class Player {
     // The canvas never gets another context, but browsers allow only a few at a time.
     this.givenBack = renderer.gl.getExtension("WEBGL_lose_context");
     this.givenBack?.loseContext();
+  }
+  /** Before there is a picture, nothing else tells of the link. */
+  private tellWaiting(why: string | null): void {
+    this.waitsFor = why;
+    if (this.pictures === 0) this.onEvent("waiting");
   }
   private fail(message: string): void {
     this.error = message;

@@ -228,6 +228,24 @@ test("of a server without ranges, each file is fetched a few times only", async 
   other.server.close();
 });
 
+test("what a server never answers is asked for again, and said", async () => {
+  const asked = new Map();
+  const silent = (path) => {
+    const times = (asked.get(path) ?? 0) + 1;
+    asked.set(path, times);
+    return times === 1 && /reel\.json$|\.base\./.test(path);
+  };
+  const other = await serve(page, [reel], [], { silent });
+  const { tab, close } = await open("#t=0", {}, other.port);
+  await until(tab, () => /sends nothing/.test(document.querySelector("pointreel-player")?.shadowRoot.querySelector(".trouble")?.textContent ?? ""), "the silence is said");
+  await until(tab, () => document.querySelector("pointreel-player")?.player?.reel?.shown, "a picture is shown");
+  await settled(tab);
+  assert.equal(await ask(tab, "player.player.trouble"), null);
+  await close();
+  other.server.closeAllConnections();
+  other.server.close();
+});
+
 test("every control has a name", async () => {
   const { tab, close } = await open("#t=0");
   await settled(tab);

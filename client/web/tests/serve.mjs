@@ -16,8 +16,9 @@ const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker
 /**
  * `damage`: changes what is sent of a reel's files; its arguments are the path and the bytes. Null: the file is missing.
  * `ranges`: false sends whole files, whatever is asked for.
+ * `silent`: whether a request for this path is never answered.
  */
-export function serve(page, reels, requests = [], { damage = null, ranges = true } = {}) {
+export function serve(page, reels, requests = [], { damage = null, ranges = true, silent = () => false } = {}) {
   const folders = new Map(reels.map((reel) => [basename(reel), reel]));
   const list = () => JSON.stringify({
     packages: [...folders].map(([name, folder]) => {
@@ -32,6 +33,7 @@ export function serve(page, reels, requests = [], { damage = null, ranges = true
   const server = createServer((request, response) => {
     const path = normalize(decodeURIComponent(new URL(request.url, "http://here").pathname));
     requests.push({ path, range: request.headers.range ?? null, at: Date.now() });
+    if (silent(path)) return;
     const [, first, ...rest] = path.split("/");
     const asksPage = (request.headers.accept ?? "").includes("text/html");
     const isShown = path === "/" || (folders.has(first) && rest.join("") === "");

@@ -112,10 +112,10 @@ Result<SceneFrame> scene_of(const EncodedFrame& encoded, const Treatment& treatm
 Result<double> measure_movement(const TrueFrame& frame, const Treatment& treatment) {
   std::vector<PointCloud> surfels;
   std::optional<Grid> grid;
-  for (PointCloud cloud : frame.still) {
-    const Treated treated = treat(cloud, *frame.still_body, treatment, frame.automatic, 1);
-    if (!grid) grid = TRY(grid_of(cloud, treatment, treated.report));
-    const EncodedFrame encoded = TRY(encode_frame(cloud, grid->cube, grid->encode));
+  for (const FrameInTime& source : frame.still) {
+    const Treated treated = treat(source, *frame.still_body, treatment, frame.automatic, 1);
+    if (!grid) grid = TRY(grid_of(treated.cloud, treatment, treated.report));
+    const EncodedFrame encoded = TRY(encode_frame(treated.cloud, grid->cube, grid->encode));
     surfels.push_back(surfels_of(TRY(scene_of(encoded, treatment))));
   }
   return 1000.0 * movement_of_surface(*frame.still_body, surfels[0], surfels[1]);
@@ -124,16 +124,15 @@ Result<double> measure_movement(const TrueFrame& frame, const Treatment& treatme
 }  // namespace
 
 Result<SceneFrame> treated_scene(const TrueFrame& frame, const Treatment& treatment) {
-  PointCloud cloud = frame.cloud;
-  const Treated treated = treat(cloud, frame.scene.body, treatment, frame.automatic, 1);
-  const Grid grid = TRY(grid_of(cloud, treatment, treated.report));
-  return scene_of(TRY(encode_frame(cloud, grid.cube, grid.encode)), treatment);
+  const Treated treated = treat(frame.source, frame.scene.body, treatment, frame.automatic, 1);
+  const Grid grid = TRY(grid_of(treated.cloud, treatment, treated.report));
+  return scene_of(TRY(encode_frame(treated.cloud, grid.cube, grid.encode)), treatment);
 }
 
 Result<SurfaceFigures> measure_frame(Renderer& renderer, const TrueFrame& frame,
                                      const Treatment& treatment, int runs) {
-  PointCloud cloud = frame.cloud;
-  const Treated treated = treat(cloud, frame.scene.body, treatment, frame.automatic, runs);
+  const Treated treated = treat(frame.source, frame.scene.body, treatment, frame.automatic, runs);
+  const PointCloud& cloud = treated.cloud;
   const Grid grid = TRY(grid_of(cloud, treatment, treated.report));
   const EncodedFrame encoded = TRY(encode_frame(cloud, grid.cube, grid.encode));
   const std::vector<Chunks<ByteView>> layers = layer_views(encoded.layers);
@@ -142,7 +141,7 @@ Result<SurfaceFigures> measure_frame(Renderer& renderer, const TrueFrame& frame,
   const auto parts = TRY(measure_part_sizes(encoded, cloud, grid.cube, grid.encode));
 
   SurfaceFigures figures;
-  figures.points = static_cast<double>(frame.cloud.size());
+  figures.points = static_cast<double>(frame.source.cloud.size());
   figures.surfels = static_cast<double>(surfels.size());
   figures.removed = static_cast<double>(treated.report.removed);
   figures.radius_mm = 1000.0 * treated.report.radius;

@@ -20,12 +20,12 @@ struct TrueFrame {
     Camera camera;
     TruthPicture truth;
   };
-  PointCloud cloud;
+  FrameInTime source;
   /// Two frames of a still scene. Empty: movement is not measured.
-  std::vector<PointCloud> still;
+  std::vector<FrameInTime> still;
   std::optional<Body> still_body;  ///< that they show
   TruthScene scene;
-  CleanReport automatic;  ///< what cleaning with auto finds in `cloud`
+  CleanReport automatic;  ///< what cleaning with auto finds in `source`
   std::vector<View> views;
 };
 

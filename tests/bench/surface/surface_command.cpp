@@ -39,15 +39,29 @@ struct Effort {
 constexpr Effort kFull = {2, 4, 3, {960, 640}};
 constexpr Effort kQuick = {1, 2, 1, {480, 320}};
 
+/// On either side of each frame.
+constexpr int kFramesAround = 2;
+
+Result<FrameInTime> frame_in_time(const Capture& capture, const SequenceOptions& options,
+                                  int number) {
+  FrameInTime frame{TRY(sequence_frame(*capture.motion, options, number)), {}};
+  for (int by = 1; by <= kFramesAround; ++by)
+    for (const int other : {number - by, number + by})
+      if (other >= 0 && (options.still || other < capture.motion->poses))
+        frame.around.push_back(
+            clean_alone(TRY(sequence_frame(*capture.motion, options, other)), {}));
+  return frame;
+}
+
 Result<TrueFrame> make_frame(const Capture& capture, int pose, const Effort& effort) {
   TrueFrame frame{
-      TRY(sequence_frame(*capture.motion, capture.options, pose)),
+      TRY(frame_in_time(capture, capture.options, pose)),
       {},
       {},
       TRY(make_truth_scene(pose_body(frame_pose(*capture.motion, capture.options, pose)))),
       {},
       {}};
-  PointCloud cleaned = frame.cloud;
+  PointCloud cleaned = frame.source.cloud;
   frame.automatic = clean(cleaned);
   for (const Viewpoint& view : viewpoints(frame.scene, effort.size, effort.views)) {
     frame.views.push_back({view.camera, cast_truth(frame.scene, view.camera, effort.size, {})});
@@ -84,8 +98,8 @@ Result<void> add_still(const Capture& capture, TrueFrame& frame) {
   SequenceOptions options = capture.options;
   options.still = true;
   frame.still_body = pose_body(frame_pose(*capture.motion, options, 0));
-  for (const int number : {0, 1}) {
-    frame.still.push_back(TRY(sequence_frame(*capture.motion, options, number)));
+  for (const int number : {kFramesAround, kFramesAround + 1}) {
+    frame.still.push_back(TRY(frame_in_time(capture, options, number)));
   }
   return {};
 }

@@ -1,5 +1,7 @@
 #include "tests/bench/surface/treatments.h"
 
+#include <algorithm>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -22,14 +24,27 @@ CleanReport as_cleaned(const CleanReport& automatic) {
   return report;
 }
 
-CleanReport apply(PointCloud& cloud, const Body& truth, const Treatment& treatment,
-                  const CleanReport& automatic) {
+CleanReport clean_with_others(PointCloud& cloud, std::span<const CleanedFrame> around) {
+  CleanedFrame alone = clean_alone(std::move(cloud), {});
+  std::vector<const CleanedFrame*> others;
+  for (const CleanedFrame& other : around) others.push_back(&other);
+  auto in_time = clean_in_time(alone, others, {});
+  cloud = in_time ? std::move(in_time->cloud) : std::move(alone.cloud);
+  return in_time ? in_time->report : alone.report;
+}
+
+CleanReport apply(PointCloud& cloud, std::span<const CleanedFrame> around, const Body& truth,
+                  const Treatment& treatment, const CleanReport& automatic) {
   switch (treatment.kind) {
     case Treatment::Kind::off:
     case Treatment::Kind::settled:
       return {};
     case Treatment::Kind::automatic:
       return clean(cloud);
+    case Treatment::Kind::in_time:
+      return clean_with_others(
+          cloud,
+          around.first(std::min(around.size(), 2 * static_cast<std::size_t>(treatment.value))));
     case Treatment::Kind::radius:
       return clean(cloud, {.radius = treatment.value});
     case Treatment::Kind::beta:
@@ -52,6 +67,8 @@ std::string name(Treatment::Kind kind) {
       return "off";
     case Treatment::Kind::automatic:
       return "auto";
+    case Treatment::Kind::in_time:
+      return "in time";
     case Treatment::Kind::settled:
       return "off, settled";
     case Treatment::Kind::truth:
@@ -68,7 +85,9 @@ std::string name(Treatment::Kind kind) {
 
 std::string name(const Treatment& treatment) {
   std::string out = name(treatment.kind);
-  if (treatment.kind == Treatment::Kind::radius) {
+  if (treatment.kind == Treatment::Kind::in_time) {
+    out = fmt::format("auto, {:g} frames", 1.0 + 2.0 * treatment.value);
+  } else if (treatment.kind == Treatment::Kind::radius) {
     out += fmt::format(" {:g} mm", 1000.0 * treatment.value);
   } else if (treatment.kind == Treatment::Kind::beta) {
     out += fmt::format(" {:g}", treatment.value);
@@ -86,6 +105,8 @@ std::vector<Treatment> surface_treatments(bool quick) {
   };
   std::vector<Treatment> treatments = {
       {.kind = off}, {.kind = automatic}, {.kind = settled}, {.kind = truth}};
+  for (const double frames : list({1, 2}, {2}))
+    treatments.push_back({.kind = in_time, .value = frames});
   for (const double millimetres : list({6, 10, 16, 25, 40, 64, 100}, {10, 40})) {
     treatments.push_back({.kind = radius, .value = millimetres / 1000.0});
   }
@@ -109,15 +130,14 @@ std::vector<Treatment> surface_treatments(bool quick) {
   return treatments;
 }
 
-Treated treat(PointCloud& cloud, const Body& truth, const Treatment& treatment,
+Treated treat(const FrameInTime& frame, const Body& truth, const Treatment& treatment,
               const CleanReport& automatic, int runs) {
-  const PointCloud source = cloud;
   Treated treated;
   std::vector<double> times;
   for (int run = 0; run < runs_of(treatment, runs); ++run) {
-    cloud = source;
+    treated.cloud = frame.cloud;
     const double begin = now_ms();
-    treated.report = apply(cloud, truth, treatment, automatic);
+    treated.report = apply(treated.cloud, frame.around, truth, treatment, automatic);
     times.push_back(now_ms() - begin);
   }
   if (treatment.kind != Treatment::Kind::off && treatment.kind != Treatment::Kind::settled) {

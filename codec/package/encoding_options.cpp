@@ -17,10 +17,17 @@ ReelHead reel_head(const EncodingOptions& options) {
   return head;
 }
 
+const CleanOptions* cleaning_of(const EncodingOptions& options) {
+  if (!options.clean || (options.voxel && !options.resample && !options.clean->radius))
+    return nullptr;
+  return &*options.clean;
+}
+
 CleanReport clean_frame(PointCloud& cloud, const EncodingOptions& options) {
-  if (!options.clean || (options.voxel && !options.resample && !options.clean->radius)) return {};
+  const CleanOptions* cleaning = cleaning_of(options);
+  if (cleaning == nullptr) return {};
   const bool had_normals = cloud.has_normals();
-  CleanReport report = clean(cloud, *options.clean, options.encode.executor);
+  CleanReport report = clean(cloud, *cleaning, options.encode.executor);
   if (!had_normals) cloud.normals.clear();
   return report;
 }

@@ -13,6 +13,8 @@
 
 namespace pointreel {
 
+inline constexpr std::size_t kMostCleanFrames = 4;
+
 /// What pack and publish are both told about a sequence of frames, and how to encode it.
 struct EncodingOptions {
   std::string name;   ///< for people
@@ -27,6 +29,9 @@ struct EncodingOptions {
   /// How frames are cleaned before they are encoded. Nothing: they stay as they are, and so they
   /// do with `voxel` unless a radius is given or `resample` is set.
   std::optional<CleanOptions> clean;
+  /// So many frames on either side in time help to clean each frame, up to kMostCleanFrames; of
+  /// live streams, those before it.
+  std::size_t clean_frames = 0;
   /// The voxels are not those of the source but sample its surface anew, after it was cleaned.
   bool resample = false;
   /// Milliseconds, above 0, that encoding a frame may take. FrameTimeControl lowers the depth to
@@ -41,12 +46,16 @@ struct EncodingOptions {
 /// fields are not known before there is a frame.
 ReelHead reel_head(const EncodingOptions& options);
 
-/// A line for people, for clouds that have scalar fields.
+/// Lines for people, for clouds that have scalar fields.
 inline constexpr const char* kNoScalarsInDraco =
     "scalar fields, such as intensities, are left out: Draco frames have none; use --codec octree";
+inline constexpr const char* kNoScalarsInVideo =
+    "scalar fields, such as intensities, are left out: video has none; use --codec octree";
 
-/// Cleans a frame as the options say. A frame without normals gets none, since players derive them
-/// from the cleaned points as well.
+/// How frames are cleaned; null if they are not.
+const CleanOptions* cleaning_of(const EncodingOptions& options);
+/// Cleans a frame as the options say, by itself. A frame without normals gets none, since players
+/// derive them from the cleaned points as well.
 CleanReport clean_frame(PointCloud& cloud, const EncodingOptions& options);
 /// Why no frame was cleaned, for people.
 std::string_view why_not_cleaned(const CleanOptions& options);

@@ -93,7 +93,9 @@ void PackArguments::add_to(cli::Command command) {
           .type_name("FILE");
   sequence_.with_video = true;
   sequence_.sequence.clean = CleanOptions{.without_normals = false};
-  sequence_.add_to(command, "folder", "the package then depends on the speed of this machine");
+  sequence_.sequence.clean_frames = 2;
+  sequence_.add_to(command, "folder", "the package then depends on the speed of this machine",
+                   "on either side of");
   command.add_flag("--keep-gaps", options_.keep_gaps,
                    "where frames are missing by the numbers in the names of files, show the frame "
                    "before for their time, so that sound does not run ahead");

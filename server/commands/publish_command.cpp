@@ -186,7 +186,7 @@ void add_publish_command(cli::Command app, int& exit_code) {
                 "appears")
       .excludes(loop);
   a.sequence.octree.entropy = Entropy::zstd;  // decodes in half the time of context, 25 % larger
-  a.sequence.add_to(command, "stream", "default: 80 % of the frame interval");
+  a.sequence.add_to(command, "stream", "default: 80 % of the frame interval", "before");
   command.add_flag("--json", a.json, "print the summary as JSON");
   command.callback([arguments, &exit_code] { exit_code = run_publish(*arguments); });
 }

@@ -23,8 +23,9 @@ struct SequenceArguments {
   DracoOptions draco;
 
   /// Adds the options to a command, which this object must outlive. The texts complete the
-  /// descriptions of --name and --frame-time.
-  void add_to(cli::Command command, const char* default_name, const char* about_frame_time);
+  /// descriptions of --name, --frame-time and --clean-frames.
+  void add_to(cli::Command command, const char* default_name, const char* about_frame_time,
+              const char* about_clean_frames);
 
   /// Declares an option of the command that makes sense only with one codec, or only with
   /// Entropy::context.

@@ -7,9 +7,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "codec/core/keep_points.h"
 #include "codec/package/cloud_memory.h"
-#include "codec/package/strays.h"
 #include "common/base/try.h"
 
 namespace pointreel {
@@ -22,7 +20,7 @@ constexpr std::size_t kKeepBytes = std::size_t{512} << 20;
 }  // namespace
 
 Result<SourceFrame> SegmentInput::read(std::size_t frame) const {
-  Result<SourceFrame> source = read_readable(frame);
+  Result<SourceFrame> source = frames_.read(first_ + frame);
   if (source || !options_.best_effort) return source;
   std::string why = source.error().message;
   // The warning will begin with the name as well.
@@ -35,10 +33,10 @@ Result<SourceFrame> SegmentInput::read(std::size_t frame) const {
   SourceFrame instead;
   std::string shown = "an empty frame";
   for (const std::size_t other : others) {
-    Result<SourceFrame> readable = read_readable(other);
+    Result<SourceFrame> readable = frames_.read(first_ + other);
     if (!readable) continue;
     instead = std::move(*readable);
-    shown = frames_[other].name();
+    shown = name(other);
     break;
   }
   instead.unreadable = true;
@@ -46,35 +44,15 @@ Result<SourceFrame> SegmentInput::read(std::size_t frame) const {
   return instead;
 }
 
-Result<SourceFrame> SegmentInput::read_readable(std::size_t frame) const {
-  SourceFrame source;
-  static_cast<LoadedCloud&>(source) = TRY(read_cloud_frame(
-      frames_[frame], {.max_memory = options_.max_memory, .executor = options_.encode.executor}));
-  if (const std::vector<std::size_t> strays = find_strays(source.cloud); !strays.empty()) {
-    const std::string text = strays_text(source.cloud, strays, source.left_out == 0);
-    if (options_.best_effort) {
-      source.left_out += keep_points(source.cloud, [&](std::size_t i) {
-        return !std::binary_search(strays.begin(), strays.end(), i);
-      });
-      source.warnings.push_back(
-          fmt::format("{}, and {} left out", text, strays.size() == 1 ? "is" : "are"));
-    } else {
-      source.strays = fmt::format("{}: {}: remove such points, or let --best-effort leave them out",
-                                  name(frame), text);
-    }
-  }
-  place(source.cloud, options_.placement);
-  source.cleaning = clean_frame(source.cloud, options_);
-  return source;
-}
-
 Result<std::vector<FrameExtent>> SegmentInput::read_extents(const std::stop_token& stop) {
-  std::vector<FrameExtent> frames(frames_.size());
-  std::vector<std::optional<Error>> errors(frames_.size());
-  std::vector<std::string> strays(frames_.size());
-  std::atomic<std::size_t> kept_bytes = 0;
-  tbb::parallel_for(std::size_t{0}, frames_.size(), [&](std::size_t i) {
+  std::vector<FrameExtent> frames(size());
+  std::vector<std::optional<Error>> errors(size());
+  std::vector<std::string> strays(size());
+  std::atomic<std::size_t> kept_bytes = 0, next = 0;
+  tbb::parallel_for(std::size_t{0}, size(), [&](std::size_t) {
     if (stop.stop_requested()) return;
+    // In order, so that threads need the same frames around theirs.
+    const std::size_t i = next++;
     Result<SourceFrame> loaded = read(i);
     if (!loaded) {
       errors[i] = std::move(loaded.error());
@@ -109,7 +87,7 @@ Result<void> SegmentInput::find_shared_grid(const std::stop_token& stop) {
   if (unread) return tl::unexpected(*unread);
   if (!grid && !strays_.empty())
     return fail(ErrorCode::limit, fmt::format("{} ({})", strays_, grid.error().message));
-  if (!grid) return fail_at(frames_.front().name(), grid.error());
+  if (!grid) return fail_at(name(0), grid.error());
   shared_ = *grid;
   return {};
 }

@@ -3,39 +3,33 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
-#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
 
-#include "codec/files/cloud_file.h"
 #include "codec/package/frames_grid.h"
 #include "codec/package/grid.h"
 #include "pointreel/error.h"
 #include "server/pack/pack_options.h"
+#include "server/pack/source_frames.h"
 
 namespace pointreel {
 
-/// A frame as it is encoded: read, and cleaned if that was asked for.
-struct SourceFrame : LoadedCloud {
-  CleanReport cleaning;
-  std::string strays;       ///< names the points that lie far from all others, and the file
-  bool unreadable = false;  ///< this is another frame, shown in its place
-};
-
-/// The source files of one segment. With PackOptions::best_effort, strays are left out, and a frame
-/// that cannot be read is replaced by the nearest one before, or else after it, or by an empty one.
-/// If the frames share a cube, the files are read once to find it,
-/// and once more to be encoded. Clouds are kept in memory from the first time to the second as long
-/// as they fit a budget, so that memory does not grow with the length of the segment.
+/// The frames of one segment. With PackOptions::best_effort, a frame that cannot be read is
+/// replaced by the nearest one before, or else after it, or by an empty one. If the frames share a
+/// cube, the files are read once to find it, and once more to be encoded. Clouds are kept in memory
+/// from the first time to the second as long as they fit a budget, so that memory does not grow
+/// with the length of the segment.
 class SegmentInput {
  public:
-  /// `frames` and `options` must outlive this object.
-  SegmentInput(std::span<const CloudFrame> frames, const PackOptions& options)
-      : frames_(frames), options_(options), kept_(frames.size()) {}
+  /// The segment is `count` frames of the sequence from `first` on. `frames` and `options` must
+  /// outlive this object.
+  SegmentInput(const SourceFrames& frames, std::size_t first, std::size_t count,
+               const PackOptions& options)
+      : frames_(frames), first_(first), options_(options), kept_(count) {}
 
-  std::size_t size() const { return frames_.size(); }
-  std::string name(std::size_t frame) const { return frames_[frame].name(); }
+  std::size_t size() const { return kept_.size(); }
+  std::string name(std::size_t frame) const { return frames_.name(first_ + frame); }
 
   /// Finds the grid that the frames share. Reads all of them for this, as many at a time as the
   /// calling arena has threads. Does nothing if PackOptions::cube_per_frame is set.
@@ -60,9 +54,9 @@ class SegmentInput {
  private:
   Result<std::vector<FrameExtent>> read_extents(const std::stop_token& stop);
   Result<SourceFrame> read(std::size_t frame) const;
-  Result<SourceFrame> read_readable(std::size_t frame) const;
 
-  std::span<const CloudFrame> frames_;
+  const SourceFrames& frames_;
+  const std::size_t first_;
   const PackOptions& options_;
   std::optional<Grid> shared_;
   std::string strays_;  ///< SourceFrame::strays of the first frame that has some

@@ -198,6 +198,7 @@ Result<PackedSegment> pack_segment(SegmentInput& input, std::uint32_t first_fram
 
   PackedSegment packed = TRY(writer.finish(input.shared_grid()));
   packed.summary.encode = limits.of_segment(options.encode);
+  packed.video = options.video.has_value();
   return packed;
 }
 

@@ -74,11 +74,11 @@ class Packer {
       summary_.learnt = tables.learnt;
       manifest_.tables = tables.file;
     }
-    SegmentPacker packer(options_, output_);
+    SegmentPacker packer(files_, options_, output_);
     for (std::size_t first = 0; first < files_.size(); first += options_.segment_frames) {
       const std::size_t count =
           std::min<std::size_t>(options_.segment_frames, files_.size() - first);
-      TRY(add(TRY(packer.pack(files_.subspan(first, count), static_cast<std::uint32_t>(first)))));
+      TRY(add(TRY(packer.pack(static_cast<std::uint32_t>(first), count))));
     }
     summary_.late_frames = packer.late_frames();
     return finish();
@@ -117,6 +117,7 @@ class Packer {
 
   Result<PackSummary> finish() {
     for (const std::string& line : warnings_.rest()) warn(line);
+    if (summary_.points == 0) warn("no frame has a point");
     if (options_.up_of_files && !up_of_frame(files_.front())) {
       if (const auto line = standing_warning(manifest_.bounds, manifest_.up)) warn(*line);
     }

@@ -39,19 +39,16 @@ Result<Svo> tree_of(SegmentInput& input, std::size_t frame) {
 
 /// Trees spread over a segment: at most `frames`, at least `fewest`, and otherwise as many as have
 /// `nodes` nodes together.
-Result<std::vector<Svo>> sample_segment(std::span<const CloudFrame> files,
-                                        const PackOptions& options, std::size_t frames,
-                                        std::size_t fewest, std::size_t nodes,
-                                        const std::stop_token& stop) {
-  SegmentInput input(files, options);
+Result<std::vector<Svo>> sample_segment(SegmentInput input, std::size_t frames, std::size_t fewest,
+                                        std::size_t nodes, const std::stop_token& stop) {
   TRY(input.find_shared_grid(stop));
   const Svo first = TRY(tree_of(input, 0));
   const std::size_t fit = nodes / std::max<std::size_t>(1, first.masks.size());
-  const std::size_t count = std::min(files.size(), std::clamp(fit, fewest, frames));
+  const std::size_t count = std::min(input.size(), std::clamp(fit, fewest, frames));
   std::vector<Result<Svo>> trees(count, Svo{});
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     if (stop.stop_requested()) return;
-    const std::size_t frame = spread_index(i, count, files.size());
+    const std::size_t frame = spread_index(i, count, input.size());
     trees[i] = frame == 0 ? first : tree_of(input, frame);
   });
   std::vector<Svo> all;
@@ -66,12 +63,13 @@ Result<std::vector<Svo>> sample_trees(std::span<const CloudFrame> files, const P
   const std::size_t length = options.segment_frames;
   const std::size_t segments = (files.size() + length - 1) / length;
   const std::size_t used = std::min(segments, kMaxSegments);
+  const SourceFrames frames(files, options);
   std::vector<Svo> all;
   for (std::size_t i = 0; i < used && !stop.stop_requested(); ++i) {
     const std::size_t first = spread_index(i, used, segments) * length;
-    auto trees =
-        TRY(sample_segment(files.subspan(first, std::min(length, files.size() - first)), options,
-                           kMaxFrames / used, used == 1 ? 2 : 1, kMaxNodes / used, stop));
+    SegmentInput input(frames, first, std::min(length, files.size() - first), options);
+    auto trees = TRY(sample_segment(std::move(input), kMaxFrames / used, used == 1 ? 2 : 1,
+                                    kMaxNodes / used, stop));
     all.insert(all.end(), std::move_iterator(trees.begin()), std::move_iterator(trees.end()));
   }
   return all;

@@ -26,9 +26,8 @@ void begin_anew(SegmentOutput& output, const PackedSegment& packed) {
 
 }  // namespace
 
-Result<PackedSegment> SegmentPacker::pack(std::span<const CloudFrame> files,
-                                          std::uint32_t first_frame) {
-  SegmentInput input(files, options_);
+Result<PackedSegment> SegmentPacker::pack(std::uint32_t first_frame, std::size_t count) {
+  SegmentInput input(frames_, first_frame, count, options_);
   const Result<void> found = input.find_shared_grid(output_.stop);
   if (output_.stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
   TRY(found);

@@ -4,27 +4,33 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
-#include <stop_token>
 
 #include "codec/files/cloud_file.h"
 #include "pointreel/error.h"
 #include "server/pack/pack_frame.h"
 #include "server/pack/pack_options.h"
 #include "server/pack/pack_segment.h"
+#include "server/pack/source_frames.h"
 
 namespace pointreel {
 
-/// Packs segments one after another. The bytes of a segment depend on its files and the options
-/// only, unless PackOptions::frame_time_ms is set.
+/// Packs segments one after another. The bytes of a segment depend on its files, those around it
+/// with EncodingOptions::clean_frames, and the options only, unless PackOptions::frame_time_ms is
+/// set.
 class SegmentPacker {
  public:
-  /// `options` must outlive this object.
-  SegmentPacker(const PackOptions& options, SegmentOutput output)
-      : options_(options), limits_(options), output_(std::move(output)) {}
+  /// `sequence` and `options` must outlive this object.
+  SegmentPacker(std::span<const CloudFrame> sequence, const PackOptions& options,
+                SegmentOutput output)
+      : options_(options),
+        frames_(sequence, options),
+        limits_(options),
+        output_(std::move(output)) {}
 
-  /// Encodes the files as one segment, within the bit rate if there is one, and writes its layer
-  /// files. Runs in the calling arena. The error begins with the file at fault, if there is one.
-  Result<PackedSegment> pack(std::span<const CloudFrame> files, std::uint32_t first_frame);
+  /// Encodes `count` frames from `first` on as one segment, within the bit rate if there is one,
+  /// and writes its layer files. Runs in the calling arena. The error begins with the file at
+  /// fault, if there is one.
+  Result<PackedSegment> pack(std::uint32_t first, std::size_t count);
 
   std::uint64_t late_frames() const { return limits_.late_frames(); }
 
@@ -35,6 +41,7 @@ class SegmentPacker {
   double budget(std::size_t frames) const;
 
   const PackOptions& options_;
+  const SourceFrames frames_;
   FrameLimits limits_;
   SegmentOutput output_;
 };

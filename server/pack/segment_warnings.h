@@ -24,8 +24,9 @@ class SegmentWarnings {
       lines.emplace_back("radii are not packed: players derive them from the voxels");
       told_of_radii_ = true;
     }
-    if (segment.had_scalars && segment.summary.encode.id() == Codec::draco && !told_of_scalars_) {
-      lines.emplace_back(kNoScalarsInDraco);
+    const bool draco = segment.summary.encode.id() == Codec::draco;
+    if (segment.had_scalars && (draco || segment.video) && !told_of_scalars_) {
+      lines.emplace_back(draco ? kNoScalarsInDraco : kNoScalarsInVideo);
       told_of_scalars_ = true;
     }
     if (const std::string names = unread_.fresh(segment.unread); !names.empty())

@@ -1,5 +1,6 @@
 #include "server/parts/pack_part.h"
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <system_error>
@@ -170,10 +171,14 @@ class PartPacker {
     return recording_;
   }
 
-  Result<std::vector<CloudFrame>> unchanged_frames(std::uint32_t segment) {
-    std::vector<CloudFrame> frames;
-    for (const PlannedFrame& planned : plan_.frames_of(segment)) {
-      CloudFrame& frame = frames.emplace_back(cloud_frame(planned));
+  /// All frames, of which those that a segment needs can be read.
+  Result<std::vector<CloudFrame>> unchanged_frames(std::size_t first, std::size_t count) {
+    std::vector<CloudFrame> frames = sequence_.frames;
+    const std::size_t reach = options_.clean_frames;
+    for (std::size_t i = first - std::min(first, reach);
+         i < std::min(first + count + reach, frames.size()); ++i) {
+      const PlannedFrame& planned = plan_.frames[i];
+      CloudFrame& frame = frames[i];
       frame.reading = reading_;
       if (planned.index) {
         frame.recording = TRY(recording_of(planned));
@@ -186,14 +191,15 @@ class PartPacker {
 
   Result<void> pack(std::uint32_t segment) {
     const std::uint32_t first_frame = plan_.first_frame(segment);
-    const std::vector<CloudFrame> frames = TRY(unchanged_frames(segment));
+    const std::size_t count = plan_.frames_of(segment).size();
+    const std::vector<CloudFrame> frames = TRY(unchanged_frames(first_frame, count));
     const WorkFolder work =
         TRY(WorkFolder::create(folder_ / fmt::format(".{:05}-{}", first_frame, own_name())));
     SegmentOutput output{work.path(), head_.layer_names, listener_.frame_done, listener_.stop, {}};
     if (has_times_of_files(options_, sequence_))
       output.time_us = [this](std::size_t i) { return sequence_.times_us[i]; };
-    SegmentPacker packer(options_, output);
-    PackedSegment packed = TRY(packer.pack(frames, first_frame));
+    SegmentPacker packer(frames, options_, output);
+    PackedSegment packed = TRY(packer.pack(first_frame, count));
     for (const std::string& line : warnings_.fresh(packed)) {
       if (listener_.warn) listener_.warn(line);
     }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <deque>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -19,6 +21,7 @@
 #include "codec/package/coarsening.h"
 #include "codec/package/standing.h"
 #include "codec/package/steady_grid.h"
+#include "codec/surface/clean_in_time.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
 #include "common/threads/ordered_turns.h"
@@ -45,6 +48,8 @@ double ms_since(Clock::time_point start) {
 struct FrameInProgress {
   InputFrame input;
   CleanReport cleaning = {};
+  std::shared_ptr<const CleanedFrame> alone = nullptr;  ///< with EncodingOptions::clean_frames
+  std::vector<std::shared_ptr<const CleanedFrame>> before = {};
   Box box = {};
   Result<Grid> grid = Grid{};
   double clean_ms = 0.0, encode_ms = 0.0;
@@ -161,6 +166,10 @@ class Publisher {
 
   void publish_frame(std::uint64_t turn, FrameInProgress& frame) {
     Result<void> usable = or_out_of_memory([&] { return clean(frame); });
+    if (options_.clean_frames > 0) {
+      history_turns_.take(turn, [&] { remember(frame); });
+      if (usable) usable = or_out_of_memory([&] { return clean_with_those_before(frame); });
+    }
     grid_turns_.take(turn, [&] {
       if (usable) usable = or_out_of_memory([&] { return find_grid(frame); });
     });
@@ -182,9 +191,39 @@ class Publisher {
     const Clock::time_point start = Clock::now();
     PointCloud& cloud = frame.input.cloud->cloud;
     place(cloud, options_.placement);
-    frame.cleaning = clean_frame(cloud, options_);
+    const CleanOptions* cleaning = cleaning_of(options_);
+    if (options_.clean_frames > 0 && cleaning != nullptr) {
+      frame.alone = std::make_shared<const CleanedFrame>(
+          clean_alone(cloud, *cleaning, options_.encode.executor));
+    } else {
+      frame.cleaning = clean_frame(cloud, options_);
+    }
     frame.box = bounds(cloud);
     frame.clean_ms = ms_since(start);
+    return {};
+  }
+
+  /// In the order of the frames.
+  void remember(FrameInProgress& frame) {
+    frame.before.assign(history_.begin(), history_.end());
+    if (frame.alone) history_.push_back(frame.alone);
+    if (history_.size() > options_.clean_frames) history_.pop_front();
+  }
+
+  Result<void> clean_with_those_before(FrameInProgress& frame) {
+    if (!frame.alone) return {};
+    const Clock::time_point start = Clock::now();
+    std::vector<const CleanedFrame*> before;
+    for (const auto& one : frame.before) before.push_back(one.get());
+    PointCloud& cloud = frame.input.cloud->cloud;
+    const bool had_normals = cloud.has_normals();
+    auto in_time =
+        clean_in_time(*frame.alone, before, *cleaning_of(options_), options_.encode.executor);
+    cloud = in_time ? std::move(in_time->cloud) : frame.alone->cloud;
+    frame.cleaning = in_time ? in_time->report : frame.alone->report;
+    if (!had_normals) cloud.normals.clear();
+    frame.box = bounds(cloud);
+    frame.clean_ms += ms_since(start);
     return {};
   }
 
@@ -286,6 +325,8 @@ class Publisher {
 
   const int lanes_;
   tbb::task_arena arena_;
+  OrderedTurns history_turns_;
+  std::deque<std::shared_ptr<const CleanedFrame>> history_;  ///< in the turns above
   OrderedTurns grid_turns_;
   SteadyGrid grid_;  ///< used in turns only, as are the next four
   UnreadProperties unread_;

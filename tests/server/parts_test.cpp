@@ -105,6 +105,22 @@ TEST_F(Parts, use_the_options_of_the_plan) {
   EXPECT_TRUE(contents(reel_) == expected);
 }
 
+TEST_F(Parts, clean_their_frames_with_those_of_other_parts) {
+  for (int i = 1; i <= kFrames; ++i) {
+    PointCloud cloud = ball(2000, i);
+    for (glm::vec3& p : cloud.positions) p *= 1.0f + 0.03f * std::sin(1e4f * p.x + 3e4f * p.y);
+    ASSERT_TRUE(write_ply(frames_ / fmt::format("frame{}.ply", i), cloud));
+  }
+  const PackOptions one = options({"--clean=auto"});
+  EXPECT_EQ(one.clean_frames, 2u);
+  const auto expected = whole(one);
+  make(one, {"--clean=auto"});
+  for (std::uint32_t i = 1; i <= 4; ++i) ASSERT_TRUE(part(i, 4));
+  EXPECT_EQ(join_error(), "");
+  EXPECT_EQ(read_manifest(reel_)->cleaning.value_or(Cleaning{}).frames, kFrames);
+  EXPECT_TRUE(contents(reel_) == expected);
+}
+
 TEST_F(Parts, share_tables_that_were_learnt_once) {
   const PackOptions one = options({"--train"});
   const auto expected = whole(one);

@@ -1,6 +1,7 @@
 // Packing with --clean.
 
 #include <cmath>
+#include <fstream>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -44,6 +45,35 @@ TEST_F(PackClean, takes_noise_out_and_says_what_it_did) {
   EXPECT_LT(cleaned.parts->normals, source.parts->normals * 3 / 4);
   EXPECT_TRUE(verify(options_.output)->faults.empty());
   EXPECT_EQ(read_manifest(options_.output)->cleaning, cleaned.cleaning);
+}
+
+TEST_F(PackClean, frames_around_each_one_help_whatever_segments_they_are_in) {
+  for (int i = 0; i < 5; ++i) write(i, noisy(static_cast<std::uint32_t>(i)));
+  options_.clean = CleanOptions{};
+  options_.cube_per_frame = true;
+  const PackSummary alone = packed();
+  options_.clean_frames = 2;
+  const PackSummary together = packed();
+  EXPECT_EQ(together.cleaning.frames, 5u);
+  EXPECT_LT(together.cleaning.radius, 0.95 * alone.cleaning.radius);
+  EXPECT_EQ(together.cleaning.removed, alone.cleaning.removed);
+  EXPECT_LT(together.bytes, alone.bytes);
+  options_.segment_frames = 2;
+  EXPECT_EQ(packed().segment_bytes, together.segment_bytes);
+}
+
+TEST_F(PackClean, a_frame_that_cannot_be_read_is_missing_to_those_around_it_only) {
+  for (int i = 0; i < 5; ++i) write(i, noisy(static_cast<std::uint32_t>(i)));
+  std::ofstream(in() / "2.ply") << "ply\n";
+  options_.clean = CleanOptions{};
+  options_.clean_frames = 2;
+  const auto failed = pack(options_);
+  ASSERT_FALSE(failed);
+  EXPECT_NE(failed.error().message.find("2.ply"), std::string::npos) << failed.error().message;
+  options_.best_effort = true;
+  const PackSummary summary = packed();
+  EXPECT_EQ(summary.unreadable_frames, 1u);
+  EXPECT_EQ(summary.cleaning.frames, 5u);
 }
 
 TEST_F(PackClean, reads_large_segments_twice_with_the_same_result) {

@@ -1,6 +1,8 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <string_view>
+#include <vector>
 
 #include "client/app/play_command.h"
 #include "client/app/player.h"
@@ -12,13 +14,22 @@
 namespace pointreel {
 namespace {
 
+/// The command line, with `play` where it begins with what is to be played.
+std::vector<const char*> with_command(int argc, char** argv) {
+  std::vector<const char*> line(argv, argv + argc);
+  if (argc > 1 && *argv[1] != '-' && std::string_view(argv[1]) != "play")
+    line.insert(line.begin() + 1, "play");
+  return line;
+}
+
 int run(int argc, char** argv) {
   const auto started = std::chrono::steady_clock::now();
   cli::Program app("Pointreel plays point clouds that move.", "pointreel");
   app.require_subcommand(1, 1);
   const PlayCommand play_command(app);
   app.add_common_options();
-  if (const auto status = app.parse(argc, argv)) return *status;
+  const std::vector<const char*> line = with_command(argc, argv);
+  if (const auto status = app.parse(static_cast<int>(line.size()), line.data())) return *status;
   Result<PlayOptions> options = play_command.options();
   if (!options) {
     print_error("pointreel", options.error().message);

@@ -23,9 +23,14 @@
 namespace pointreel::cli {
 namespace {
 
+/// Whether it has no other name than its place. Those that have both stand among the options.
+bool is_argument(const CLI::Option& option) {
+  return option.get_positional() && option.get_snames().empty() && option.get_lnames().empty();
+}
+
 OptionEntry entry_of(const CLI::Option& option) {
   OptionEntry entry;
-  entry.positional = option.get_positional();
+  entry.positional = is_argument(option);
   if (entry.positional) entry.names.push_back(option.get_single_name());
   for (const std::string& name : option.get_snames()) entry.names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) entry.names.push_back("--" + name);
@@ -57,8 +62,22 @@ class HelpFormatter : public CLI::Formatter {
     return is_positional || group == "Options" ? text : text.substr(1);
   }
 
+  std::string make_positionals(const CLI::App* app) const override {
+    std::vector<const CLI::Option*> arguments = app->get_options([](const CLI::Option* option) {
+      return !option->get_group().empty() && is_argument(*option);
+    });
+    return arguments.empty() ? "" : make_group(get_label("Positionals"), true, arguments);
+  }
+
   std::string make_option_name(const CLI::Option* option, bool) const override {
     return fmt::format("{}", fmt::join(entry_of(*option).names, ", "));
+  }
+
+  /// By its place.
+  std::string make_option_usage(const CLI::Option* option) const override {
+    std::string name = option->get_name(true);
+    if (option->get_expected_max() > 1) name += "...";
+    return option->get_required() ? name : "[" + name + "]";
   }
 
   std::string make_option_opts(const CLI::Option* option) const override {
@@ -109,7 +128,7 @@ void add_entries(std::vector<CommandEntry>& all, const CLI::App& app,
   CommandEntry command{path, app.get_description(), usage_of(app), app.get_footer(), {}, {}, {}};
   for (const CLI::Option* option : app.get_options()) {
     if (option->get_group().empty()) continue;
-    (option->get_positional() ? command.arguments : command.options).push_back(entry_of(*option));
+    (is_argument(*option) ? command.arguments : command.options).push_back(entry_of(*option));
   }
   const CLI::App* above = app.get_parent();
   if (above != nullptr && app.get_fallthrough() && above->get_config_ptr() != nullptr)
@@ -250,9 +269,6 @@ void Command::require_subcommand(std::size_t least, std::size_t most) const {
   app_->require_subcommand(least, most);
 }
 void Command::callback(const std::function<void()>& run) const { app_->callback(run); }
-void Command::preparse_callback(const std::function<void()>& prepare) const {
-  app_->preparse_callback([prepare](std::size_t) { prepare(); });
-}
 void Command::footer(const std::string& text) const { app_->footer(text); }
 void Command::help_all_flag(const std::string& names, const std::string& description) const {
   app_->set_help_all_flag(names, description);

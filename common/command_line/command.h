@@ -81,7 +81,6 @@ class Command {
   Command add_subcommand(const std::string& name, const std::string& description) const;
   void require_subcommand(std::size_t least, std::size_t most) const;
   void callback(const std::function<void()>& run) const;
-  void preparse_callback(const std::function<void()>& prepare) const;
   void footer(const std::string& text) const;
   void help_all_flag(const std::string& names, const std::string& description) const;
 

@@ -95,10 +95,9 @@ int run_join_packages(JoinArguments arguments) {
   return kExitOk;
 }
 
-void add_output_folder(cli::Command command, std::filesystem::path& output, bool& force) {
-  command.add_option("-o,--output", output, "the folder of the new package")
-      .required()
-      .type_name("REEL");
+void add_output_folder(cli::Command command, const char* names, std::filesystem::path& output,
+                       bool& force) {
+  command.add_option(names, output, "the folder of the new package").required().type_name("REEL");
   command.add_flag("--force", force, "replace a package that is already there");
 }
 
@@ -108,10 +107,10 @@ void add_cut_command(cli::Command app, int& exit_code) {
       "cut",
       "Make a package of a part of another one, without encoding anything again\n"
       "Frames are cut exactly, and sound is cut with them.");
-  command.add_option("INPUT", a->reel, "the folder or the address of the package")
+  command.add_option("-i,--input,INPUT", a->reel, "the folder or the address of the package")
       .required()
-      .type_name("");
-  add_output_folder(command, a->options.output, a->options.force);
+      .type_name("REEL");
+  add_output_folder(command, "-o,--output,OUTPUT", a->options.output, a->options.force);
   const cli::Option from =
       command
           .add_option("--from", a->from,
@@ -156,7 +155,7 @@ void add_join_command(cli::Command app, int& exit_code) {
                   "shown")
       .required()
       .type_name("");
-  add_output_folder(command, a->options.output, a->options.force);
+  add_output_folder(command, "-o,--output", a->options.output, a->options.force);
   add_store_options(command, a->http);
   command.callback([a, &exit_code] { exit_code = run_join_packages(*a); });
 }

@@ -323,11 +323,12 @@ void add_unpack_command(cli::Command app, int& exit_code) {
   const auto a = std::make_shared<Arguments>();
   const cli::Command unpack =
       app.add_subcommand("unpack", "Decode a package into files of points or meshes");
-  unpack.add_option("-i,--input", a->input, "the folder or the address of the package")
+  unpack.add_option("-i,--input,REEL", a->input, "the folder or the address of the package")
       .required()
       .type_name("REEL");
   unpack
-      .add_option("-o,--output", a->output, "the folder in which frame_00000.ply, ... are written")
+      .add_option("-o,--output,FOLDER", a->output,
+                  "the folder in which frame_00000.ply, ... are written")
       .required()
       .type_name("FOLDER");
   const cli::Option layers =
@@ -414,10 +415,10 @@ void add_inspect_commands(cli::Command app, int& exit_code) {
   const auto add = [&](const char* name, const char* what, const std::shared_ptr<Arguments>& a) {
     const cli::Command command = app.add_subcommand(name, what);
     command
-        .add_option("REEL", a->reel,
+        .add_option("-i,--input,REEL", a->reel,
                     "the folder of the package, or its address: http://, https:// or s3://")
         .required()
-        .type_name("");
+        .type_name("REEL");
     add_store_options(command, a->http);
     command.add_flag("--json", a->json, "print JSON");
     return command;

@@ -45,14 +45,17 @@ void PackArguments::add_to(cli::Command command) {
                    "KITTI, nuScenes, MCAP), and of depth (a folder with depth/*.png, or .mkv, with "
                    "intrinsics in JSON); the files of a folder are taken in natural order, so "
                    "that frame2 comes before frame10")
-               .required()
                .type_name("PATH")
                .expected(1, -1);
   output_ = command
                 .add_option("-o,--output", options_.output,
                             "the folder of the package; not needed with --to")
-                .required()
-                .type_name("FOLDER");
+                .type_name("REEL");
+  paths_ = command
+               .add_option("PATHS", given_paths_,
+                           "what --input takes, and last, without --output, the folder of the "
+                           "package")
+               .type_name("");
   add_topic_option(command, options_.topic);
   add_reading_options(command, options_.reading);
   add_choice<bool>(command, "--cube", options_.cube_per_frame, {{"group", false}, {"frame", true}},
@@ -136,11 +139,34 @@ Result<PackOptions> PackArguments::options() const {
   return options;
 }
 
+Result<PackOptions> PackArguments::options_with_paths(bool needs_output) const {
+  PackOptions options = TRY(this->options());
+  std::vector<std::filesystem::path> paths = given_paths_;
+  if (options.output.empty() && needs_output && !paths.empty()) {
+    options.output = std::move(paths.back());
+    paths.pop_back();
+  }
+  if (options.inputs.empty())
+    options.inputs = std::move(paths);
+  else if (!paths.empty())
+    return fail(ErrorCode::argument,
+                paths.front().string() + ": is not needed beside --input and --output");
+  if (options.inputs.empty())
+    return fail(ErrorCode::argument,
+                needs_output && !options.output.empty() && output_.count() == 0
+                    ? fmt::format("name the folder of the package, too: pack {} REEL",
+                                  options.output.string())
+                    : "name a folder or file of points: pack FOLDER REEL");
+  if (needs_output && options.output.empty())
+    return fail(ErrorCode::argument, "name the folder of the package: pack FOLDER REEL");
+  return options;
+}
+
 std::vector<std::string> PackArguments::command_line() const {
   std::vector<std::string> line;
   for (const cli::Option option : command_.options()) {
-    const bool of_the_whole =
-        option == input_ || option == output_ || option == force_ || option == audio_;
+    const bool of_the_whole = option == paths_ || option == input_ || option == output_ ||
+                              option == force_ || option == audio_;
     if (option.count() == 0 || of_the_whole) continue;
     line.push_back(option.name());
     if (option.is_flag()) continue;
@@ -152,18 +178,10 @@ std::vector<std::string> PackArguments::command_line() const {
   return line;
 }
 
-void PackArguments::require_no_paths() {
-  input_.required(false);
-  require_no_output();
-}
-
-void PackArguments::require_no_output() { output_.required(false); }
-
 Result<PackOptions> parse_pack_command_line(const std::vector<std::string>& arguments) {
   cli::Program app;
   PackArguments parsed;
   parsed.add_to(app);
-  parsed.require_no_paths();
   TRY(app.parse(arguments));
   return parsed.options();
 }

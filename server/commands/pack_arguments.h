@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -16,25 +17,24 @@ class PackArguments {
   /// Adds them to a command, which this object must outlive.
   void add_to(cli::Command command);
 
-  /// What was given; an error if some of it does not go together.
+  /// What was given, except for the paths without names; an error if some of it does not go
+  /// together.
   Result<PackOptions> options() const;
+  /// With the paths: an error if there is no input, or if an output is needed and there is none.
+  Result<PackOptions> options_with_paths(bool needs_output) const;
 
   /// What was given, as a command line that stands for the same options, without what is not
   /// about single frames: input, output, --audio and --force. To be called once the command was
   /// parsed.
   std::vector<std::string> command_line() const;
 
-  /// Input and output are not required after this.
-  void require_no_paths();
-  /// Output is not.
-  void require_no_output();
-
  private:
   PackOptions options_;
   SequenceArguments sequence_;
   cli::Command command_;
   VideoPackOptions video_;
-  cli::Option input_, output_, force_, audio_, segment_, group_, effort_;
+  std::vector<std::filesystem::path> given_paths_;
+  cli::Option paths_, input_, output_, force_, audio_, segment_, group_, effort_;
 };
 
 /// The options that PackArguments::command_line stands for; without input and output.

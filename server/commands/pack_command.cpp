@@ -230,7 +230,7 @@ int fail_with(const Error& error) {
 }
 
 int run_pack(const PackCommand& arguments) {
-  Result<PackOptions> options = arguments.pack.options();
+  Result<PackOptions> options = arguments.pack.options_with_paths(arguments.upload.to.empty());
   if (!options) {
     print_error(options.error().message);
     return kExitUsage;
@@ -286,11 +286,7 @@ void add_pack_command(cli::Command app, int& exit_code) {
   arguments->upload.http = patient_http_options();
   command
       .add_option_function<std::string>(
-          "--to",
-          [arguments](const std::string& to) {
-            arguments->upload.to = to;
-            arguments->pack.require_no_output();
-          },
+          "--to", [arguments](const std::string& to) { arguments->upload.to = to; },
           "upload the package to an object store, s3://BUCKET/REEL; with -o, keep a local copy, "
           "too. Files that are there already are not sent again")
       .type_name("ADDRESS");
@@ -298,8 +294,7 @@ void add_pack_command(cli::Command app, int& exit_code) {
   command.callback([arguments, command, &exit_code] {
     if (command.parsed_subcommands().empty()) exit_code = run_pack(*arguments);
   });
-  for (const cli::Command part : add_parts_commands(command, exit_code))
-    part.preparse_callback([arguments] { arguments->pack.require_no_paths(); });
+  add_parts_commands(command, exit_code);
 }
 
 }  // namespace pointreel

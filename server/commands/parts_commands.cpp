@@ -35,7 +35,7 @@ std::optional<PartOf> parse_part(const std::string& text) {
 }
 
 int run_plan(const PackArguments& arguments) {
-  const Result<PackOptions> options = arguments.options();
+  const Result<PackOptions> options = arguments.options_with_paths(true);
   if (!options) {
     print_error(options.error().message);
     return kExitUsage;
@@ -117,7 +117,7 @@ cli::Option add_output(cli::Command command, std::filesystem::path& output) {
       .type_name("FOLDER");
 }
 
-cli::Command add_plan(cli::Command pack, int& exit_code) {
+void add_plan(cli::Command pack, int& exit_code) {
   const auto arguments = std::make_shared<PackArguments>();
   const cli::Command command =
       pack.add_subcommand("plan",
@@ -125,10 +125,9 @@ cli::Command add_plan(cli::Command pack, int& exit_code) {
                           "Then run pack part I/N for each part, and pack join once all are done.");
   arguments->add_to(command);
   command.callback([arguments, &exit_code] { exit_code = run_plan(*arguments); });
-  return command;
 }
 
-cli::Command add_part(cli::Command pack, int& exit_code) {
+void add_part(cli::Command pack, int& exit_code) {
   const auto arguments = std::make_shared<PartArguments>();
   const cli::Command command = pack.add_subcommand(
       "part", "Pack a part of a plan; run again, it goes on with what is missing");
@@ -148,19 +147,17 @@ cli::Command add_part(cli::Command pack, int& exit_code) {
   command.add_flag("--fail-fast", arguments->fail_fast,
                    "stop at the first segment that cannot be packed");
   command.callback([arguments, &exit_code] { exit_code = run_part(*arguments); });
-  return command;
 }
 
-cli::Command add_join(cli::Command pack, int& exit_code) {
+void add_join(cli::Command pack, int& exit_code) {
   const auto output = std::make_shared<std::filesystem::path>();
   const cli::Command command =
       pack.add_subcommand("join", "Make the package of the parts of a plan");
   add_output(command, *output);
   command.callback([output, &exit_code] { exit_code = run_join(*output); });
-  return command;
 }
 
-cli::Command add_submit(cli::Command pack, int& exit_code) {
+void add_submit(cli::Command pack, int& exit_code) {
   struct Arguments {
     SlurmOptions options;
     bool slurm = true, no_wait = false;
@@ -185,15 +182,16 @@ cli::Command add_submit(cli::Command pack, int& exit_code) {
   command.add_flag("--no-wait", arguments->no_wait, "return at once instead of showing progress");
   command.callback(
       [arguments, &exit_code] { exit_code = run_submit(arguments->options, !arguments->no_wait); });
-  return command;
 }
 
 }  // namespace
 
-std::vector<cli::Command> add_parts_commands(cli::Command pack, int& exit_code) {
+void add_parts_commands(cli::Command pack, int& exit_code) {
   pack.require_subcommand(0, 1);
-  return {add_plan(pack, exit_code), add_part(pack, exit_code), add_join(pack, exit_code),
-          add_submit(pack, exit_code)};
+  add_plan(pack, exit_code);
+  add_part(pack, exit_code);
+  add_join(pack, exit_code);
+  add_submit(pack, exit_code);
 }
 
 }  // namespace pointreel

@@ -155,7 +155,7 @@ void add_publish_command(cli::Command app, int& exit_code) {
       "exit code is 1 if the server has accepted no frame.");
   command
       .add_option(
-          "-i,--input", a.input,
+          "-i,--input,FOLDER", a.input,
           "a folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, nuScenes, "
           "MCAP) or of depth cameras (depth/*.png or .mkv), or one such file, played at --fps or "
           "at its recorded times; or - for standard input: for each frame its size in four bytes, "

@@ -19,10 +19,53 @@ namespace {
 constexpr double kPieceOfRadius = 0.4;
 /// Surfaces of two frames are the same if they are no further apart than so many times the noise.
 constexpr double kTolerance = 1.0;
+/// Mean colours of the same place differ by at most so many standard deviations, and in addition by
+/// 8 of 255 levels.
+constexpr float kColorDeviations = 3.0f;
+constexpr float kColorTolerance = 8.0f * 257.0f;
 /// Noise that is alike at neighbouring points looks like shape within a frame, but not between
 /// frames. Where this many frames count, or more, it is so many times what a frame shows.
 constexpr float kFramesForHidden = 3.0f;
 constexpr float kHidden = 1.4f;
+
+/// Whether frames around it can help. Scans of less noise were not nearer to the truth.
+bool is_noisy(const CleanReport& report) {
+  return report.cleaned && steps_to_surface(report.noise, report.spacing) > 1;
+}
+
+/// The colours of the finest pieces of a frame, as they were measured.
+struct PieceColor {
+  glm::vec3 mean{0.0f};
+  float variance = 0.0f;  ///< of one point, over all channels
+  float points = 0.0f;
+};
+
+std::vector<PieceColor> piece_colors(const CleanedFrame& frame) {
+  const SurfacePieces& pieces = frame.pieces.levels.front();
+  std::vector<PieceColor> colors(pieces.pieces.size());
+  for (std::size_t i = 0; i < frame.before.colors.size(); ++i) {
+    PieceColor& piece = colors[pieces.of_point[i]];
+    const glm::vec3 color(frame.before.colors[i]);
+    piece.mean += color;
+    piece.variance += glm::dot(color, color);
+    piece.points += 1.0f;
+  }
+  for (PieceColor& piece : colors) {
+    if (piece.points == 0.0f) continue;
+    piece.mean /= piece.points;
+    piece.variance =
+        std::max(piece.variance / piece.points - glm::dot(piece.mean, piece.mean), 0.0f);
+  }
+  return colors;
+}
+
+/// Whether two pieces may have the same colours, as far as so few points tell.
+bool agree(const PieceColor& a, const PieceColor& b) {
+  const glm::vec3 difference = a.mean - b.mean;
+  const float noise = a.variance / a.points + b.variance / b.points;
+  return glm::dot(difference, difference) <=
+         kColorDeviations * kColorDeviations * noise + kColorTolerance * kColorTolerance;
+}
 
 /// What another frame contributes: its points as they would be in the frame that is cleaned.
 struct Carried {
@@ -30,17 +73,44 @@ struct Carried {
   std::vector<glm::vec3> positions;  ///< where cleaning alone has put them
 };
 
+/// The piece of the frame that lies where a point was carried to; null: there is none.
+const std::uint32_t* piece_at(const SurfacePieces& pieces, const glm::vec3& position,
+                              const glm::vec3& normal) {
+  const auto found = pieces.in_cell.find(GridCell::at(position / pieces.cell));
+  if (found == pieces.in_cell.end()) return nullptr;
+  for (const auto& slot : found->second)
+    if (slot && glm::dot(pieces.pieces[*slot].normal, normal) >= 0.0f) return &*slot;
+  return nullptr;
+}
+
+/// Colours that change with time, or move along the surface, are those of the frame itself.
+void keep_own_colors(const CleanedFrame& frame, const std::vector<PieceColor>& own,
+                     const std::vector<const PieceColor*>& carried_from, Carried& carried) {
+  const SurfacePieces& pieces = frame.pieces.levels.front();
+  for (std::size_t i = 0; i < carried_from.size(); ++i) {
+    const std::uint32_t* piece = piece_at(pieces, carried.positions[i], carried.points.normals[i]);
+    if (piece != nullptr && !agree(own[*piece], *carried_from[i]))
+      carried.points.colors[i] = glm::u16vec3(own[*piece].mean + 0.5f);
+  }
+}
+
 Carried carry(const CleanedFrame& other, const CleanedFrame& frame) {
   const auto motions = surface_motion(other.pieces, other.cloud.positions, frame.pieces,
                                       static_cast<float>(kTolerance * frame.report.noise));
+  const SurfacePieces& pieces = other.pieces.levels.front();
+  const std::vector<PieceColor> colors = piece_colors(other);
+  std::vector<const PieceColor*> carried_from;
   Carried carried;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     if (!motions[i]) continue;
     carried.positions.push_back((*motions[i])(other.cloud.positions[i]));
     carried.points.positions.push_back((*motions[i])(other.before.positions[i]));
     carried.points.normals.push_back(motions[i]->rotation * other.cloud.normals[i]);
-    if (other.cloud.has_colors()) carried.points.colors.push_back(other.before.colors[i]);
+    if (!other.cloud.has_colors()) continue;
+    carried.points.colors.push_back(other.before.colors[i]);
+    carried_from.push_back(&colors[pieces.of_point[i]]);
   }
+  if (other.cloud.has_colors()) keep_own_colors(frame, piece_colors(frame), carried_from, carried);
   return carried;
 }
 
@@ -128,7 +198,7 @@ CleanedFrame clean_alone(PointCloud cloud, const CleanOptions& options, const Ex
   CleanedFrame frame;
   frame.cloud = std::move(cloud);
   frame.report = clean(frame.cloud, options, executor, &frame.before);
-  if (frame.report.cleaned)
+  if (is_noisy(frame.report))
     frame.pieces =
         surface_pyramid(frame.cloud, static_cast<float>(kPieceOfRadius * frame.report.radius));
   return frame;
@@ -137,10 +207,10 @@ CleanedFrame clean_alone(PointCloud cloud, const CleanOptions& options, const Ex
 std::optional<CleanedInTime> clean_in_time(const CleanedFrame& frame,
                                            std::span<const CleanedFrame* const> around,
                                            const CleanOptions& options, const Executor& executor) {
-  if (!frame.report.cleaned) return std::nullopt;
+  if (!is_noisy(frame.report)) return std::nullopt;
   std::vector<const CleanedFrame*> others;
   for (const CleanedFrame* other : around)
-    if (other->report.cleaned && other->cloud.has_colors() == frame.cloud.has_colors() &&
+    if (is_noisy(other->report) && other->cloud.has_colors() == frame.cloud.has_colors() &&
         other->before.positions != frame.before.positions)
       others.push_back(other);
   if (others.empty()) return std::nullopt;

@@ -15,7 +15,7 @@ struct CleanedFrame {
   PointCloud cloud;  ///< as `clean` leaves it, which is with normals if it was cleaned
   CleanReport report;
   BeforeCleaning before;
-  SurfacePyramid pieces;
+  SurfacePyramid pieces;  ///< empty if other frames cannot help
 };
 
 CleanedFrame clean_alone(PointCloud cloud, const CleanOptions& options,
@@ -31,12 +31,14 @@ struct CleanedInTime {
 /// the surface (surface_motion.h). The surface is then fitted to all of them, within a radius that
 /// is smaller because they are denser. Where the surface of another frame has not the same shape,
 /// because it moves too fast, or because it was hidden or is somewhere else, that frame has no say;
-/// where none has, the frame is cleaned about as it is alone. Other frames count if they were
-/// cleaned, if both or none have colours, and if they are not the same frame again. Points have the
-/// colours, normals and places of the surface; nothing is added.
+/// where none has, the frame is cleaned about as it is alone. The same holds for colours that
+/// change. Other frames count if they were cleaned, if they are as noisy, if both or none have
+/// colours, and if they are not the same frame again. Points have the colours, normals and places
+/// of the surface; nothing is added.
 ///
-/// Nothing if the frame was not cleaned, or no other frame counts. Takes some three times as long
-/// as `clean` with four other frames. The result does not depend on the executor.
+/// Nothing if the frame was not cleaned or has little noise (at most a quarter of the spacing), or
+/// if no other frame counts. With four other frames it takes about one and a half times as long as
+/// `clean`. The result does not depend on the executor.
 std::optional<CleanedInTime> clean_in_time(const CleanedFrame& frame,
                                            std::span<const CleanedFrame* const> around,
                                            const CleanOptions& options,

@@ -9,6 +9,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 #endif
 
 namespace pointreel {
@@ -28,8 +29,11 @@ void run(int count, const std::function<void(int)>& body) {
 }
 #else
 void run(int count, const std::function<void(int)>& body) {
+  // What is thrown in a loop around this one must not end it halfway without a word: its caller
+  // would go on with what is missing.
+  tbb::task_group_context own(tbb::task_group_context::isolated);
   tbb::this_task_arena::isolate(
-      [&] { tbb::parallel_for(0, count, body, tbb::simple_partitioner()); });
+      [&] { tbb::parallel_for(0, count, body, tbb::simple_partitioner(), own); });
 }
 #endif
 

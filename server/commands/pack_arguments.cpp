@@ -152,11 +152,16 @@ Result<PackOptions> PackArguments::options_with_paths(bool needs_output) const {
     return fail(ErrorCode::argument,
                 paths.front().string() + ": is not needed beside --input and --output");
   if (options.inputs.empty())
+    return fail(
+        ErrorCode::argument,
+        needs_output && !options.output.empty() && output_.count() == 0
+            ? fmt::format("name the folder of the package, too, as in pack FOLDER REEL: only "
+                          "{} was given",
+                          options.output.string())
+            : "name a folder or file of points: pack FOLDER REEL");
+  if (options.output.string().find("://") != std::string::npos)
     return fail(ErrorCode::argument,
-                needs_output && !options.output.empty() && output_.count() == 0
-                    ? fmt::format("name the folder of the package, too: pack {} REEL",
-                                  options.output.string())
-                    : "name a folder or file of points: pack FOLDER REEL");
+                options.output.string() + ": is no folder; --to uploads to such an address");
   if (needs_output && options.output.empty())
     return fail(ErrorCode::argument, "name the folder of the package: pack FOLDER REEL");
   return options;

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -229,7 +230,21 @@ int fail_with(const Error& error) {
   return error.code == ErrorCode::argument ? kExitUsage : kExitFailed;
 }
 
+/// --json takes the word that follows it, which may have been meant as a path.
+Result<void> check_json(const std::string& file) {
+  if (file.empty() || file == "-" || !std::filesystem::exists(file)) return {};
+  char first = '{';
+  std::ifstream(file).get(first);
+  if (std::filesystem::is_regular_file(file) && first == '{') return {};
+  return fail(ErrorCode::argument,
+              fmt::format("--json {}: is there and is not JSON; put --json at the end", file));
+}
+
 int run_pack(const PackCommand& arguments) {
+  if (const auto checked = check_json(arguments.json); !checked) {
+    print_error(checked.error().message);
+    return kExitUsage;
+  }
   Result<PackOptions> options = arguments.pack.options_with_paths(arguments.upload.to.empty());
   if (!options) {
     print_error(options.error().message);

@@ -101,7 +101,7 @@ void SequenceArguments::add_to(cli::Command command, const char* default_name,
       .add_option(
           "--clean-frames", sequence.clean_frames,
           fmt::format("so many frames {} each one help to clean it: less noise and flicker, "
-                      "sharper features, and two to three times the work; 0: each frame by "
+                      "sharper features, and about three times the work; 0: each frame by "
                       "itself",
                       about_clean_frames))
       .check(cli::range(0, static_cast<int>(kMostCleanFrames)))

@@ -34,7 +34,8 @@ struct Sample {
   std::vector<glm::dvec3> resting;  ///< where its points are on the ellipsoid
 };
 
-Sample sample(const Pose& pose, unsigned seed, std::size_t count = 20'000) {
+Sample sample(const Pose& pose, unsigned seed, double noise = kNoise) {
+  constexpr std::size_t count = 20'000;
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   const auto vector = [&] { return glm::dvec3(normal(random), normal(random), normal(random)); };
@@ -44,7 +45,7 @@ Sample sample(const Pose& pose, unsigned seed, std::size_t count = 20'000) {
     const glm::dvec3 at = kAxes * glm::normalize(vector());
     const glm::dvec3 n = pose.rotation(at.x) * glm::normalize(at / (kAxes * kAxes));
     out.resting.push_back(at);
-    out.cloud.positions.emplace_back(pose(at) + kNoise * vector());
+    out.cloud.positions.emplace_back(pose(at) + noise * vector());
     out.cloud.normals.emplace_back(glm::normalize(n + 0.2 * vector()));
     out.cloud.colors.emplace_back(i & 0xff, i >> 8 & 0xff, 7);
   }
@@ -165,6 +166,32 @@ TEST(CleanInTime, only_frames_with_the_same_attributes_count) {
   EXPECT_FALSE(clean_in_time(cleaned({}, 1), pointers(around), {}));
   EXPECT_FALSE(clean_in_time(cleaned({}, 1), {}, {}));
   EXPECT_FALSE(clean_in_time(around[1], pointers(around), {}));
+}
+
+TEST(CleanInTime, colours_that_change_are_those_of_the_frame) {
+  const auto colored = [](unsigned seed, const glm::u16vec3& color) {
+    PointCloud cloud = sample({}, seed).cloud;
+    cloud.colors.assign(cloud.size(), color);
+    return clean_alone(cloud, {}, tbb_executor());
+  };
+  const glm::u16vec3 blue(0, 0, 65535), red(65535, 0, 0);
+  std::vector<CleanedFrame> around;
+  around.push_back(colored(2, red));
+  around.push_back(colored(3, red));
+  const CleanedFrame frame = colored(1, blue);
+  const auto in_time = clean_in_time(frame, pointers(around), {}, tbb_executor());
+  ASSERT_TRUE(in_time);
+  std::size_t mixed = 0;
+  for (const glm::u16vec3& color : in_time->cloud.colors) mixed += color.x > 2570 ? 1 : 0;
+  EXPECT_LT(static_cast<double>(mixed), 0.01 * static_cast<double>(frame.cloud.size()));
+}
+
+TEST(CleanInTime, leaves_frames_with_little_noise_to_cleaning_alone) {
+  std::vector<CleanedFrame> around;
+  around.push_back(clean_alone(sample({}, 2, 0.15 * kNoise).cloud, {}));
+  const CleanedFrame frame = clean_alone(sample({}, 1, 0.15 * kNoise).cloud, {});
+  ASSERT_TRUE(frame.report.cleaned);
+  EXPECT_FALSE(clean_in_time(frame, pointers(around), {}));
 }
 
 TEST(CleanInTime, does_not_depend_on_the_executor) {

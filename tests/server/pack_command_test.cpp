@@ -174,6 +174,29 @@ TEST_F(PackCommand, refuses_options_that_contradict_each_other) {
   EXPECT_TRUE(outputs().empty());
 }
 
+TEST_F(PackCommand, takes_paths_by_their_place_or_by_name) {
+  write_frames(3);
+  const std::string in = frames_.string(), reel = reel_.string();
+  ASSERT_EQ(run({"pack", in, reel}).code, kExitOk);
+  EXPECT_EQ(read_manifest(reel_)->frame_count(), 3u);
+  ASSERT_EQ(run({"pack", in, in, reel, "--force"}).code, kExitOk);
+  EXPECT_EQ(read_manifest(reel_)->frame_count(), 6u);
+  ASSERT_EQ(run({"pack", "-i", in, "--force", "--", reel}).code, kExitOk);
+  EXPECT_EQ(read_manifest(reel_)->frame_count(), 3u);
+  EXPECT_EQ(run({"info", "-i", reel}).code, kExitOk);
+  EXPECT_EQ(run({"unpack", reel, reel + ".files"}).code, kExitOk);
+
+  for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
+           {"pack"}, {"pack", in}, {"pack", "-i", in}, {"pack", "-o", reel}}) {
+    const Outcome outcome = run(wrong);
+    EXPECT_EQ(outcome.code, kExitUsage) << testing::PrintToString(wrong);
+    EXPECT_NE(outcome.errors.find("pack FOLDER REEL"), std::string::npos) << outcome.errors;
+  }
+  const Outcome twice = run({"pack", "-i", in, "-o", reel, "--force", "--", in});
+  EXPECT_EQ(twice.code, kExitUsage);
+  EXPECT_NE(twice.errors.find("is not needed beside"), std::string::npos) << twice.errors;
+}
+
 TEST_F(PackCommand, writes_fewer_bytes_for_colours_of_lower_quality) {
   write_frames(1);
   double last = 0.0;

@@ -5,7 +5,9 @@ export class FetchError extends Error {}
 
 const PASSING = new Set([408, 425, 429, 500, 502, 503, 504]);
 const MANIFEST_BYTES = 33_554_432;
-const STALL_MS = 5000;
+const STALL_MS = 5000, MOST_PATIENCE_MS = 60_000;
+/** Such as the page of a gateway whose server starts anew. */
+const MOST_SENSELESS = 8;
 /** Of files that servers sent whole where ranges were asked for. */
 const KEPT_BYTES = 64 << 20;
 /** Browsers do not tell a server of another origin that does not answer from one that this page may not read. */
@@ -15,11 +17,13 @@ const sleep = (ms: number) => new Promise((resolve) => setTimeout(resolve, ms));
 /** Not in older browsers, in which requests that are not answered stay open. */
 const anyOf = (AbortSignal as { any?: (signals: AbortSignal[]) => AbortSignal }).any;
 
+class Silence extends Error {}
+
 /** What `coming` gives, unless it takes so long that nothing more is to be expected. */
-async function unlessStalled<T>(coming: Promise<T>): Promise<T> {
+async function unlessStalled<T>(coming: Promise<T>, ms = STALL_MS): Promise<T> {
   let timer = 0;
   const stalled = new Promise<never>((_, reject) => {
-    timer = window.setTimeout(() => reject(new Error("the server sends nothing")), STALL_MS);
+    timer = window.setTimeout(() => reject(new Silence(`the server has sent nothing for ${ms / 1000} s`)), ms);
   });
   return Promise.race([coming, stalled]).finally(() => clearTimeout(timer));
 }
@@ -45,6 +49,8 @@ export class Fetcher {
   private readonly kept = new Map<string, Uint8Array>();
   total = 0;
   requests = 0;
+  /** How long the first byte of an answer may take. */
+  private patience = STALL_MS;
   /** What is wrong with the link at the moment, if anything. */
   trouble: string | null = null;
 
@@ -105,7 +111,7 @@ export class Fetcher {
       // Across origins, a server may not let a page read the field.
       const fits = range === null || range === `bytes ${from}-${to - 1}/${size}`;
       if (response.status === 206 && fits && body.length === to - from) return body;
-      if (++senseless > 1) throw new FetchError(`${path}: the server's answer to a range makes no sense`);
+      if (++senseless > MOST_SENSELESS) throw new FetchError(`${path}: the server's answer to a range makes no sense`);
       throw new Error("an answer made no sense");
     });
   }
@@ -137,12 +143,14 @@ export class Fetcher {
     const unanswered = new AbortController();
     const either = anyOf ? anyOf([signal, unanswered.signal]) : signal;
     try {
-      const response = await unlessStalled(fetch(url, { ...init, headers, signal: either }));
+      const response = await unlessStalled(fetch(url, { ...init, headers, signal: either }), this.patience);
       if (response.ok) return response;
       const why = `${url.pathname}: ${refusal(response)}`;
       throw PASSING.has(response.status) ? new Error(why) : new FetchError(why);
     } catch (error) {
       unanswered.abort();
+      // A server that is slow answers in the end.
+      if (error instanceof Silence) this.patience = Math.min(2 * this.patience, MOST_PATIENCE_MS);
       throw error;
     } finally {
       this.count();

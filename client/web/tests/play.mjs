@@ -237,7 +237,7 @@ test("what a server never answers is asked for again, and said", async () => {
   };
   const other = await serve(page, [reel], [], { silent });
   const { tab, close } = await open("#t=0", {}, other.port);
-  await until(tab, () => /sends nothing/.test(document.querySelector("pointreel-player")?.shadowRoot.querySelector(".trouble")?.textContent ?? ""), "the silence is said");
+  await until(tab, () => /has sent nothing/.test(document.querySelector("pointreel-player")?.shadowRoot.querySelector(".trouble")?.textContent ?? ""), "the silence is said");
   await until(tab, () => document.querySelector("pointreel-player")?.player?.reel?.shown, "a picture is shown");
   await settled(tab);
   assert.equal(await ask(tab, "player.player.trouble"), null);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -73,14 +74,25 @@ struct Carried {
   std::vector<glm::vec3> positions;  ///< where cleaning alone has put them
 };
 
-/// The piece of the frame that lies where a point was carried to; null: there is none.
-const std::uint32_t* piece_at(const SurfacePieces& pieces, const glm::vec3& position,
-                              const glm::vec3& normal) {
-  const auto found = pieces.in_cell.find(GridCell::at(position / pieces.cell));
-  if (found == pieces.in_cell.end()) return nullptr;
-  for (const auto& slot : found->second)
-    if (slot && glm::dot(pieces.pieces[*slot].normal, normal) >= 0.0f) return &*slot;
-  return nullptr;
+/// The piece of the frame that is nearest to where a point was carried to, and faces the same way;
+/// nothing if there is none nearby.
+std::optional<std::uint32_t> piece_at(const SurfacePieces& pieces, const glm::vec3& position,
+                                      const glm::vec3& normal) {
+  std::optional<std::uint32_t> nearest;
+  float least = std::numeric_limits<float>::infinity();
+  const GridCell low = GridCell::at(position / pieces.cell - 0.5f);
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto found = pieces.in_cell.find(low.neighbor(corner));
+    if (found == pieces.in_cell.end()) continue;
+    for (const std::optional<std::uint32_t>& slot : found->second) {
+      if (!slot || glm::dot(pieces.pieces[*slot].normal, normal) < 0.0f) continue;
+      const float distance = glm::distance(pieces.pieces[*slot].position, position);
+      if (distance >= least) continue;
+      least = distance;
+      nearest = slot;
+    }
+  }
+  return nearest;
 }
 
 /// Colours that change with time, or move along the surface, are those of the frame itself.
@@ -88,8 +100,9 @@ void keep_own_colors(const CleanedFrame& frame, const std::vector<PieceColor>& o
                      const std::vector<const PieceColor*>& carried_from, Carried& carried) {
   const SurfacePieces& pieces = frame.pieces.levels.front();
   for (std::size_t i = 0; i < carried_from.size(); ++i) {
-    const std::uint32_t* piece = piece_at(pieces, carried.positions[i], carried.points.normals[i]);
-    if (piece != nullptr && !agree(own[*piece], *carried_from[i]))
+    const std::optional<std::uint32_t> piece =
+        piece_at(pieces, carried.positions[i], carried.points.normals[i]);
+    if (piece && !agree(own[*piece], *carried_from[i]))
       carried.points.colors[i] = glm::u16vec3(own[*piece].mean + 0.5f);
   }
 }

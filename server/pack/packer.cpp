@@ -117,7 +117,7 @@ class Packer {
 
   Result<PackSummary> finish() {
     for (const std::string& line : warnings_.rest()) warn(line);
-    if (summary_.points == 0) warn("no frame has a point");
+    if (summary_.points + summary_.unreadable_frames == 0) warn("no frame has a point");
     if (options_.up_of_files && !up_of_frame(files_.front())) {
       if (const auto line = standing_warning(manifest_.bounds, manifest_.up)) warn(*line);
     }

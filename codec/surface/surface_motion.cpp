@@ -317,8 +317,12 @@ std::vector<bool> find_continued(const SurfacePieces& from, const SurfacePieces&
 }  // namespace
 
 GridCell GridCell::at(const glm::vec3& in_cells) {
-  const glm::ivec3 cell(glm::clamp(glm::floor(in_cells), -kFarCell, kFarCell));
-  return {cell.x, cell.y, cell.z};
+  // Also where it is no number, as after a motion without bounds.
+  const auto cell = [](float at) {
+    const float low = std::floor(at);
+    return static_cast<std::int32_t>(low > -kFarCell ? std::min(low, kFarCell) : -kFarCell);
+  };
+  return {cell(in_cells.x), cell(in_cells.y), cell(in_cells.z)};
 }
 
 GridCell GridCell::neighbor(int corner) const {

@@ -32,6 +32,14 @@ CleanReport clean_frame(PointCloud& cloud, const EncodingOptions& options) {
   return report;
 }
 
+CleanedInTime clean_frame(const CleanedFrame& alone, std::span<const CleanedFrame* const> around,
+                          const EncodingOptions& options) {
+  auto in_time = clean_in_time(alone, around, *cleaning_of(options), options.encode.executor);
+  CleanedInTime out = in_time ? *std::move(in_time) : CleanedInTime{alone.cloud, alone.report};
+  if (!alone.had_normals) out.cloud.normals.clear();
+  return out;
+}
+
 std::string_view why_not_cleaned(const CleanOptions& options) {
   if (options.radius) return "around most points, no surface fits within that radius; try auto";
   if (!options.without_normals)

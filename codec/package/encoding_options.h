@@ -2,11 +2,12 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "codec/core/placement.h"
-#include "codec/surface/clean.h"
+#include "codec/surface/clean_in_time.h"
 #include "pointreel/codec.h"
 #include "pointreel/draco.h"
 #include "pointreel/package.h"
@@ -57,6 +58,9 @@ const CleanOptions* cleaning_of(const EncodingOptions& options);
 /// Cleans a frame as the options say, by itself. A frame without normals gets none, since players
 /// derive them from the cleaned points as well.
 CleanReport clean_frame(PointCloud& cloud, const EncodingOptions& options);
+/// The same for a frame that `clean_alone` has cleaned, with those around it in time.
+CleanedInTime clean_frame(const CleanedFrame& alone, std::span<const CleanedFrame* const> around,
+                          const EncodingOptions& options);
 /// Why no frame was cleaned, for people.
 std::string_view why_not_cleaned(const CleanOptions& options);
 

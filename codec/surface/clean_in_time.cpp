@@ -34,13 +34,6 @@ bool is_noisy(const CleanReport& report) {
   return report.cleaned && steps_to_surface(report.noise, report.spacing) > 1;
 }
 
-/// The colours of the finest pieces of a frame, as they were measured.
-struct PieceColor {
-  glm::vec3 mean{0.0f};
-  float variance = 0.0f;  ///< of one point, over all channels
-  float points = 0.0f;
-};
-
 std::vector<PieceColor> piece_colors(const CleanedFrame& frame) {
   const SurfacePieces& pieces = frame.pieces.levels.front();
   std::vector<PieceColor> colors(pieces.pieces.size());
@@ -74,36 +67,16 @@ struct Carried {
   std::vector<glm::vec3> positions;  ///< where cleaning alone has put them
 };
 
-/// The piece of the frame that is nearest to where a point was carried to, and faces the same way;
-/// nothing if there is none nearby.
-std::optional<std::uint32_t> piece_at(const SurfacePieces& pieces, const glm::vec3& position,
-                                      const glm::vec3& normal) {
-  std::optional<std::uint32_t> nearest;
-  float least = std::numeric_limits<float>::infinity();
-  const GridCell low = GridCell::at(position / pieces.cell - 0.5f);
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto found = pieces.in_cell.find(low.neighbor(corner));
-    if (found == pieces.in_cell.end()) continue;
-    for (const std::optional<std::uint32_t>& slot : found->second) {
-      if (!slot || glm::dot(pieces.pieces[*slot].normal, normal) < 0.0f) continue;
-      const float distance = glm::distance(pieces.pieces[*slot].position, position);
-      if (distance >= least) continue;
-      least = distance;
-      nearest = slot;
-    }
-  }
-  return nearest;
-}
-
-/// Colours that change with time, or move along the surface, are those of the frame itself.
-void keep_own_colors(const CleanedFrame& frame, const std::vector<PieceColor>& own,
-                     const std::vector<const PieceColor*>& carried_from, Carried& carried) {
-  const SurfacePieces& pieces = frame.pieces.levels.front();
+/// Colours that change with time, or slide along the surface, are replaced by the frame's own.
+/// `carried_from`: those of the piece that each point comes from.
+void keep_own_colors(const CleanedFrame& frame, const std::vector<const PieceColor*>& carried_from,
+                     Carried& carried) {
+  constexpr float kAnywhere = std::numeric_limits<float>::infinity();
   for (std::size_t i = 0; i < carried_from.size(); ++i) {
-    const std::optional<std::uint32_t> piece =
-        piece_at(pieces, carried.positions[i], carried.points.normals[i]);
-    if (piece && !agree(own[*piece], *carried_from[i]))
-      carried.points.colors[i] = glm::u16vec3(own[*piece].mean + 0.5f);
+    const auto piece = nearest_piece(frame.pieces.levels.front(), carried.positions[i],
+                                     carried.points.normals[i], 0.0f, kAnywhere);
+    if (piece && !agree(frame.colors[*piece], *carried_from[i]))
+      carried.points.colors[i] = glm::u16vec3(frame.colors[*piece].mean + 0.5f);
   }
 }
 
@@ -111,7 +84,6 @@ Carried carry(const CleanedFrame& other, const CleanedFrame& frame) {
   const auto motions = surface_motion(other.pieces, other.cloud.positions, frame.pieces,
                                       static_cast<float>(kTolerance * frame.report.noise));
   const SurfacePieces& pieces = other.pieces.levels.front();
-  const std::vector<PieceColor> colors = piece_colors(other);
   std::vector<const PieceColor*> carried_from;
   Carried carried;
   for (std::size_t i = 0; i < motions.size(); ++i) {
@@ -121,9 +93,9 @@ Carried carry(const CleanedFrame& other, const CleanedFrame& frame) {
     carried.points.normals.push_back(motions[i]->rotation * other.cloud.normals[i]);
     if (!other.cloud.has_colors()) continue;
     carried.points.colors.push_back(other.before.colors[i]);
-    carried_from.push_back(&colors[pieces.of_point[i]]);
+    carried_from.push_back(&other.colors[pieces.of_point[i]]);
   }
-  if (other.cloud.has_colors()) keep_own_colors(frame, piece_colors(frame), carried_from, carried);
+  keep_own_colors(frame, carried_from, carried);
   return carried;
 }
 
@@ -209,11 +181,13 @@ std::vector<T> in_order(const std::vector<T>& of_points, const PointSurface& sur
 
 CleanedFrame clean_alone(PointCloud cloud, const CleanOptions& options, const Executor& executor) {
   CleanedFrame frame;
+  frame.had_normals = cloud.has_normals();
   frame.cloud = std::move(cloud);
   frame.report = clean(frame.cloud, options, executor, &frame.before);
-  if (is_noisy(frame.report))
-    frame.pieces =
-        surface_pyramid(frame.cloud, static_cast<float>(kPieceOfRadius * frame.report.radius));
+  if (!is_noisy(frame.report)) return frame;
+  frame.pieces =
+      surface_pyramid(frame.cloud, static_cast<float>(kPieceOfRadius * frame.report.radius));
+  if (frame.cloud.has_colors()) frame.colors = piece_colors(frame);
   return frame;
 }
 

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "codec/surface/clean.h"
 #include "codec/surface/surface_motion.h"
@@ -10,12 +11,21 @@
 
 namespace pointreel {
 
+/// The colours of a piece of surface, as they were measured.
+struct PieceColor {
+  glm::vec3 mean{0.0f};
+  float variance = 0.0f;  ///< of one point, over all channels
+  float points = 0.0f;
+};
+
 /// A frame that was cleaned by itself, and what it takes to clean frames near it in time.
 struct CleanedFrame {
   PointCloud cloud;  ///< as `clean` leaves it, which is with normals if it was cleaned
   CleanReport report;
   BeforeCleaning before;
-  SurfacePyramid pieces;  ///< empty if other frames cannot help
+  bool had_normals = false;        ///< before it was cleaned
+  SurfacePyramid pieces;           ///< empty if other frames cannot help
+  std::vector<PieceColor> colors;  ///< of the finest pieces; empty if the frame has none
 };
 
 CleanedFrame clean_alone(PointCloud cloud, const CleanOptions& options,

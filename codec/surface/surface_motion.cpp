@@ -147,24 +147,10 @@ struct Match {
 };
 
 Match match(const SurfacePieces& pieces, const glm::vec3& position, const glm::vec3& normal) {
-  Match best;
-  float least = kReach * kReach * pieces.cell * pieces.cell;
-  const GridCell low = GridCell::at(position / pieces.cell - 0.5f);
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto found = pieces.in_cell.find(low.neighbor(corner));
-    if (found == pieces.in_cell.end()) continue;
-    for (const std::optional<std::uint32_t>& slot : found->second) {
-      if (!slot) continue;
-      const Piece& piece = pieces.pieces[*slot];
-      if (glm::dot(piece.normal, normal) < kMatchCosine) continue;
-      const glm::vec3 way = piece.position - position;
-      const float square = glm::dot(way, way);
-      if (square >= least) continue;
-      least = square;
-      best = {&piece, glm::dot(way, piece.normal)};
-    }
-  }
-  return best;
+  const auto found = nearest_piece(pieces, position, normal, kMatchCosine, kReach * pieces.cell);
+  if (!found) return {};
+  const Piece& piece = pieces.pieces[*found];
+  return {&piece, glm::dot(piece.position - position, piece.normal)};
 }
 
 /// The normal equations of one part's next step: a rotation vector, then a translation.
@@ -317,7 +303,7 @@ std::vector<bool> find_continued(const SurfacePieces& from, const SurfacePieces&
 }  // namespace
 
 GridCell GridCell::at(const glm::vec3& in_cells) {
-  // Also where it is no number, as after a motion without bounds.
+  // NaN, which unbounded motions give, counts as far away.
   const auto cell = [](float at) {
     const float low = std::floor(at);
     return static_cast<std::int32_t>(low > -kFarCell ? std::min(low, kFarCell) : -kFarCell);
@@ -336,6 +322,27 @@ std::size_t GridCell::Hash::operator()(const GridCell& cell) const {
     hash ^= hash >> 29;
   }
   return hash;
+}
+
+std::optional<std::uint32_t> nearest_piece(const SurfacePieces& pieces, const glm::vec3& position,
+                                           const glm::vec3& normal, float least_cosine,
+                                           float reach) {
+  std::optional<std::uint32_t> nearest;
+  float least = reach * reach;
+  const GridCell low = GridCell::at(position / pieces.cell - 0.5f);
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto found = pieces.in_cell.find(low.neighbor(corner));
+    if (found == pieces.in_cell.end()) continue;
+    for (const std::optional<std::uint32_t>& slot : found->second) {
+      if (!slot || glm::dot(pieces.pieces[*slot].normal, normal) < least_cosine) continue;
+      const glm::vec3 way = pieces.pieces[*slot].position - position;
+      const float square = glm::dot(way, way);
+      if (square >= least) continue;
+      least = square;
+      nearest = slot;
+    }
+  }
+  return nearest;
 }
 
 SurfacePyramid surface_pyramid(const PointCloud& cloud, float cell) {

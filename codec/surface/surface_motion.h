@@ -50,6 +50,12 @@ struct SurfacePieces {
   std::vector<std::uint32_t> of_point;  ///< the piece of each point, or of each finer piece
 };
 
+/// The piece nearest to a position, within the eight cells around it and `reach`, whose normal is
+/// at an angle with at least this cosine to `normal`; nothing if there is none.
+std::optional<std::uint32_t> nearest_piece(const SurfacePieces& pieces, const glm::vec3& position,
+                                           const glm::vec3& normal, float least_cosine,
+                                           float reach);
+
 /// The pieces of a surface, fine to coarse.
 struct SurfacePyramid {
   glm::dvec3 origin{0.0};  ///< what positions are relative to

@@ -161,7 +161,7 @@ Result<PackOptions> PackArguments::options_with_paths(bool needs_output) const {
             : "name a folder or file of points: pack FOLDER REEL");
   if (options.output.string().find("://") != std::string::npos)
     return fail(ErrorCode::argument,
-                options.output.string() + ": is no folder; --to uploads to such an address");
+                options.output.string() + ": is not a folder; --to uploads to such an address");
   if (needs_output && options.output.empty())
     return fail(ErrorCode::argument, "name the folder of the package: pack FOLDER REEL");
   return options;

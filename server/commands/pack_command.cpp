@@ -236,8 +236,9 @@ Result<void> check_json(const std::string& file) {
   char first = '{';
   std::ifstream(file).get(first);
   if (std::filesystem::is_regular_file(file) && first == '{') return {};
-  return fail(ErrorCode::argument,
-              fmt::format("--json {}: is there and is not JSON; put --json at the end", file));
+  return fail(
+      ErrorCode::argument,
+      fmt::format("--json {}: already exists and is not JSON; put --json at the end", file));
 }
 
 int run_pack(const PackCommand& arguments) {

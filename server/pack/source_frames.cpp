@@ -26,7 +26,6 @@ bool is_same(const CloudFrame& a, const CloudFrame& b) {
 struct SourceFrames::Alone {
   SourceFrame frame;  ///< but for its cloud
   CleanedFrame cleaned;
-  bool had_normals = false;
 };
 
 /// The frames that were asked for last. Each is made once while it is kept.
@@ -99,12 +98,10 @@ Result<SourceFrame> SourceFrames::read(std::size_t frame) const {
       others.push_back(std::move(*made));
     }
   }
-  auto in_time =
-      clean_in_time(own->cleaned, cleaned, *cleaning_of(options_), options_.encode.executor);
+  CleanedInTime in_time = clean_frame(own->cleaned, cleaned, options_);
   SourceFrame source = own->frame;
-  source.cloud = in_time ? std::move(in_time->cloud) : own->cleaned.cloud;
-  source.cleaning = in_time ? in_time->report : own->cleaned.report;
-  if (!own->had_normals) source.cloud.normals.clear();
+  source.cloud = std::move(in_time.cloud);
+  source.cleaning = in_time.report;
   return source;
 }
 
@@ -127,7 +124,6 @@ Result<std::shared_ptr<const SourceFrames::Alone>> SourceFrames::alone(std::size
   return recent_->get(frame, [&]() -> Recent::Made {
     SourceFrame source = TRY(load(frame));
     Alone made;
-    made.had_normals = source.cloud.has_normals();
     made.cleaned =
         clean_alone(std::move(source.cloud), *cleaning_of(options_), options_.encode.executor);
     source.cloud = {};

@@ -29,7 +29,6 @@ class SourceFrames {
   SourceFrames(std::span<const CloudFrame> sequence, const PackOptions& options);
   ~SourceFrames();
 
-  std::size_t size() const { return sequence_.size(); }
   std::string name(std::size_t frame) const { return sequence_[frame].name(); }
 
   /// From any thread. The error begins with the file.

@@ -194,11 +194,11 @@ class Publisher {
     const CleanOptions* cleaning = cleaning_of(options_);
     if (options_.clean_frames > 0 && cleaning != nullptr) {
       frame.alone = std::make_shared<const CleanedFrame>(
-          clean_alone(cloud, *cleaning, options_.encode.executor));
+          clean_alone(std::move(cloud), *cleaning, options_.encode.executor));
     } else {
       frame.cleaning = clean_frame(cloud, options_);
+      frame.box = bounds(cloud);
     }
-    frame.box = bounds(cloud);
     frame.clean_ms = ms_since(start);
     return {};
   }
@@ -215,14 +215,10 @@ class Publisher {
     const Clock::time_point start = Clock::now();
     std::vector<const CleanedFrame*> before;
     for (const auto& one : frame.before) before.push_back(one.get());
-    PointCloud& cloud = frame.input.cloud->cloud;
-    const bool had_normals = cloud.has_normals();
-    auto in_time =
-        clean_in_time(*frame.alone, before, *cleaning_of(options_), options_.encode.executor);
-    cloud = in_time ? std::move(in_time->cloud) : frame.alone->cloud;
-    frame.cleaning = in_time ? in_time->report : frame.alone->report;
-    if (!had_normals) cloud.normals.clear();
-    frame.box = bounds(cloud);
+    CleanedInTime in_time = clean_frame(*frame.alone, before, options_);
+    frame.cleaning = in_time.report;
+    frame.box = bounds(in_time.cloud);
+    frame.input.cloud->cloud = std::move(in_time.cloud);
     frame.clean_ms += ms_since(start);
     return {};
   }

@@ -26,19 +26,19 @@ constexpr double kLeft = 4e-10;
 constexpr int kMaxSteps = 200;  // in one cell; usually it takes a handful
 
 /// The place where the line is zero.
-double root(const Line& line) { return line.slope != 0.0 ? -line.value / line.slope : kNever; }
+double root(const RayLine& line) { return line.slope != 0.0 ? -line.value / line.slope : kNever; }
 
-double union_at(const Line& a, const Line& b, double blend, double s) {
+double union_at(const RayLine& a, const RayLine& b, double blend, double s) {
   const double x = a.at(s), y = b.at(s);
   const double overlap = blend - std::abs(x - y);
   return std::min(x, y) - (overlap > 0.0 ? 0.25 * overlap * overlap / blend : 0.0);
 }
 
 /// The smallest s > 0 at which the smooth union of two lines is zero; kNever if there is none.
-double root_of_union(const Line& a, const Line& b, double blend) {
+double root_of_union(const RayLine& a, const RayLine& b, double blend) {
   double first = kNever;
   constexpr double kSlack = 1e-9;  // lets the pieces overlap a little where they meet
-  const auto consider_line = [&](const Line& line, const Line& other) {
+  const auto consider_line = [&](const RayLine& line, const RayLine& other) {
     const double s = root(line);
     if (s > 0.0 && s < first && other.at(s) >= blend * (1.0 - kSlack)) first = s;
   };
@@ -46,7 +46,7 @@ double root_of_union(const Line& a, const Line& b, double blend) {
   consider_line(b, a);
   if (!(blend > 0.0)) return first;
   // With d = a - b and |d| < blend, the union is (a + b) / 2 - (blend^2 + d^2) / (4 blend).
-  const Line d{a.value - b.value, a.slope - b.slope};
+  const RayLine d{a.value - b.value, a.slope - b.slope};
   const double per = 0.25 / blend;
   const double c0 = 0.5 * (a.value + b.value) - 0.25 * blend - per * d.value * d.value;
   const double c1 = 0.5 * (a.slope + b.slope) - 2.0 * per * d.value * d.slope;
@@ -115,7 +115,7 @@ class CellRay {
     }
     double distance = kNever;
     for (std::size_t i = 0; i < blend_count_; ++i) {
-      values_[i] = with_lines(lines_, i, [](const Line& a, const Line& b, double blend) {
+      values_[i] = with_lines(lines_, i, [](const RayLine& a, const RayLine& b, double blend) {
         return union_at(a, b, blend, 0.0);
       });
       distance = std::min(distance, values_[i]);
@@ -187,7 +187,7 @@ class CellRay {
     if (!(step < end - t)) return kNever;
     for (std::size_t i = 0; i < blend_count_; ++i) {
       const double value =
-          with_lines(chords, i, [step](const Line& a, const Line& b, double blend) {
+          with_lines(chords, i, [step](const RayLine& a, const RayLine& b, double blend) {
             return union_at(a, b, blend, step);
           });
       if (value < -1e-12) return kNever;
@@ -206,7 +206,7 @@ class CellRay {
 
  private:
   static constexpr std::size_t kMaxPrimitives = 2 * SurfaceGrid::kMaxBlends;
-  using Lines = std::array<Line, kMaxPrimitives>;
+  using Lines = std::array<RayLine, kMaxPrimitives>;
   struct NearBlend {
     std::uint8_t first, second;  // indices in primitives_; equal for a primitive that stands alone
     std::uint16_t number;        // index among the blends of the surface
@@ -224,7 +224,7 @@ class CellRay {
   double with_lines(const Lines& lines, std::size_t i, const Function& function) const {
     const NearBlend& blend = blends_[i];
     return function(lines[blend.first],
-                    blend.first == blend.second ? Line{kNever, 0.0} : lines[blend.second],
+                    blend.first == blend.second ? RayLine{kNever, 0.0} : lines[blend.second],
                     blend.radius);
   }
 

@@ -10,7 +10,7 @@
 namespace pointreel {
 
 /// value + slope * s: a distance and its change along a ray.
-struct Line {
+struct RayLine {
   double value = 0.0, slope = 0.0;
 
   double at(double s) const { return value + slope * s; }
@@ -40,7 +40,7 @@ class RayPrimitive {
   }
 
   /// The distance at p and its change along the unit vector `direction`.
-  Line along(const glm::dvec3& p, const glm::dvec3& direction) const {
+  RayLine along(const glm::dvec3& p, const glm::dvec3& direction) const {
     const glm::dvec3 d = p - a_;
     if (kind_ == Kind::ellipsoid) return along_ellipsoid(d, direction);
     if (kind_ == Kind::ball) return along_ball(d, direction, radius_a_);
@@ -117,7 +117,7 @@ class RayPrimitive {
     return {length - radius, length > 0.0 ? d / length : glm::dvec3(0, 1, 0)};
   }
 
-  static Line along_ball(const glm::dvec3& d, const glm::dvec3& direction, double radius) {
+  static RayLine along_ball(const glm::dvec3& d, const glm::dvec3& direction, double radius) {
     const double length = std::sqrt(glm::dot(d, d));
     return {length - radius, length > 0.0 ? glm::dot(d, direction) / length : 1.0};
   }
@@ -130,7 +130,7 @@ class RayPrimitive {
     return at_ball(d - share * across, radius_b_);
   }
 
-  Line along_ellipsoid(const glm::dvec3& d, const glm::dvec3& direction) const {
+  RayLine along_ellipsoid(const glm::dvec3& d, const glm::dvec3& direction) const {
     const EllipsoidPoint nearest = nearest_of_ellipsoid(d);
     return {nearest.distance, glm::dot(nearest.normal, direction * axes_)};
   }

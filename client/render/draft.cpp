@@ -12,7 +12,7 @@ constexpr double kHandMs = 16.0;
 /// The share of the frame interval that drawing may take. Frames are decoded at the same time.
 constexpr double kShareOfClock = 0.75;
 struct Level {
-  Coarsening coarsening;
+  DraftCoarsening coarsening;
   double share;  ///< of the time that a picture takes at level 0
 };
 /// Measured with 882,000 surfels.
@@ -55,7 +55,7 @@ int Draft::finest_within(double ms) const {
   return level;
 }
 
-Coarsening Draft::coarsening(const Haste& haste, std::uint64_t elements) {
+DraftCoarsening Draft::coarsening(const Haste& haste, std::uint64_t elements) {
   elements_ = std::max<std::uint64_t>(elements, 1);
   const int before = level_;
   if (haste.of == Haste::Of::nobody) {

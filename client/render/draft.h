@@ -25,7 +25,7 @@ class Draft {
   /// For the next picture, which has this many elements. To avoid flicker, pictures only become
   /// coarser while a hand moves, and while frames play they become finer only after many pictures
   /// that left enough time.
-  Coarsening coarsening(const Haste& haste, std::uint64_t elements);
+  DraftCoarsening coarsening(const Haste& haste, std::uint64_t elements);
   /// Reports how long it took to draw this many elements with the last coarsening.
   void drew(std::uint64_t elements, double ms);
 

@@ -5,11 +5,11 @@
 namespace pointreel {
 
 /// How much coarser than asked a picture is drawn because time is short.
-struct Coarsening {
+struct DraftCoarsening {
   int reduction = 1;        ///< DrawOptions::reduction
   float pixel_size = 1.0f;  ///< DrawOptions::pixel_size is this many times as large
 
-  bool operator==(const Coarsening&) const = default;
+  bool operator==(const DraftCoarsening&) const = default;
 };
 
 /// What drawing a picture took, and what was left out of it.
@@ -22,7 +22,7 @@ struct DrawStats {
   std::uint32_t out_of_view = 0, below_pixel = 0;
   /// Voxels left out because their neighbours hide them, or triangles that face away.
   std::uint32_t hidden = 0;
-  Coarsening coarsening;
+  DraftCoarsening coarsening;
   double cut_ms = 0.0;  ///< the cut of the octree; 0 if the last cut was used again
   /// Wall time of packing, upload and drawing, until the picture is complete. Does not include the
   /// cut.

@@ -7,7 +7,7 @@
 namespace pointreel {
 
 Result<DrawStats> Painter::draw(const Scene& scene, const Camera& camera, glm::ivec2 size,
-                                const DrawOptions& options, const Coarsening& coarsening) {
+                                const DrawOptions& options, const DraftCoarsening& coarsening) {
   scene_ = scene;
   camera_ = camera;
   size_ = size;
@@ -28,7 +28,7 @@ Result<Image> Painter::picture() {
 }
 
 Result<Image> Painter::plain_picture() {
-  if (coarsening_ != Coarsening{}) {
+  if (coarsening_ != DraftCoarsening{}) {
     coarsening_ = {};
     TRY(renderer_->draw(scene_, camera_, size_, options_));
   }

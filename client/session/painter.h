@@ -24,7 +24,7 @@ class Painter {
   std::string describe_renderer() const { return renderer_->describe(); }
 
   Result<DrawStats> draw(const Scene& scene, const Camera& camera, glm::ivec2 size,
-                         const DrawOptions& options, const Coarsening& coarsening = {});
+                         const DrawOptions& options, const DraftCoarsening& coarsening = {});
   /// Copies the last picture into the window's framebuffer.
   void present() const { renderer_->present(0); }
   /// As Renderer::point_at, in the last picture.
@@ -47,7 +47,7 @@ class Painter {
   Camera camera_;
   glm::ivec2 size_{0};
   DrawOptions options_;
-  Coarsening coarsening_;
+  DraftCoarsening coarsening_;
 };
 
 }  // namespace pointreel

@@ -61,9 +61,9 @@ Result<void> Presenter::draw(const Stage& stage, const std::vector<Stage::Change
   report_.splatting = shot.draw.splatting;
   const std::uint64_t elements = element_count(stage.scene());
   DrawOptions options = shot.draw;
-  const Coarsening coarsening = draft_.coarsening(shot.haste, elements);
+  const DraftCoarsening coarsening = draft_.coarsening(shot.haste, elements);
   options.refine = options.refine && shot.haste.of == Haste::Of::nobody;
-  hasty_ = coarsening != Coarsening{} || options.refine != shot.draw.refine;
+  hasty_ = coarsening != DraftCoarsening{} || options.refine != shot.draw.refine;
   drawn_ = TRY(painter_.draw(stage.scene(), shot.camera, shot.size, options, coarsening));
   draft_.drew(elements, drawn_.cut_ms + drawn_.render_ms);
   for (const Stage::Change& change : changes) add_to_report(stage, change);

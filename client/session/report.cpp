@@ -130,7 +130,7 @@ NotFetched not_fetched(const Manifest& manifest, const SceneFrame& frame,
 
 void PlayReport::add(const SceneFrame& frame, const NotFetched& rest, const DrawStats& drawn) {
   ++frames_shown_;
-  frames_reduced_ += drawn.coarsening != Coarsening{};
+  frames_reduced_ += drawn.coarsening != DraftCoarsening{};
   shown_rest_ += rest_.bytes;
   fetch_.add(frame.fetch_ms);
   decode_.add(frame.decode_ms);

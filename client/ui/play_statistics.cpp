@@ -96,7 +96,7 @@ void add_live(std::vector<StatisticsLine>& lines, const LiveCounts& counts) {
     lines.push_back({"Reconnected", counted(counts.reconnections, "time")});
 }
 
-std::string coarsening_text(const Coarsening& coarsening) {
+std::string coarsening_text(const DraftCoarsening& coarsening) {
   if (coarsening.reduction > 1) return fmt::format(", 1/{} resolution", coarsening.reduction);
   return coarsening.pixel_size > 1.0f ? ", larger than asked" : "";
 }

@@ -21,7 +21,7 @@ namespace pointreel {
 namespace fs = std::filesystem;
 namespace {
 
-using Kind = VideoPictures::Kind;
+using Kind = TrackPictures::Kind;
 
 bool is_depth(const VideoTrack& track) { return track.pixels.starts_with("gray16"); }
 
@@ -57,10 +57,10 @@ Result<void> check_size(const VideoTrack& track) {
 
 class DepthVideo : public Recording {
  public:
-  DepthVideo(std::string intrinsics, std::unique_ptr<VideoPictures> depth, bool ends_early)
+  DepthVideo(std::string intrinsics, std::unique_ptr<TrackPictures> depth, bool ends_early)
       : intrinsics_(std::move(intrinsics)), depth_(std::move(depth)), ends_early_(ends_early) {}
 
-  void add_colors(std::unique_ptr<VideoPictures> color) {
+  void add_colors(std::unique_ptr<TrackPictures> color) {
     matches_ = nearest_in_time(depth_->track().times_us, color->track().times_us);
     color_ = std::move(color);
   }
@@ -91,9 +91,9 @@ class DepthVideo : public Recording {
 
  private:
   const std::string intrinsics_;
-  const std::unique_ptr<VideoPictures> depth_;
+  const std::unique_ptr<TrackPictures> depth_;
   const bool ends_early_;
-  std::unique_ptr<VideoPictures> color_;
+  std::unique_ptr<TrackPictures> color_;
   std::vector<std::size_t> matches_;  ///< the picture of colours of each frame
 };
 
@@ -112,10 +112,10 @@ Result<std::shared_ptr<const Recording>> open_depth_video(const fs::path& file,
   std::string intrinsics = TRY(find_intrinsics(beside));
   auto video = std::make_shared<DepthVideo>(
       std::move(intrinsics),
-      std::make_unique<VideoPictures>(file, *depth, Kind::depth, max_memory / 2), ends_early);
+      std::make_unique<TrackPictures>(file, *depth, Kind::depth, max_memory / 2), ends_early);
   if (const VideoTrack* const color = find_track(tracks, false, "COLOR")) {
     TRY(check_size(*color));
-    video->add_colors(std::make_unique<VideoPictures>(file, *color, Kind::color, max_memory / 2));
+    video->add_colors(std::make_unique<TrackPictures>(file, *color, Kind::color, max_memory / 2));
   }
   return video;
 }

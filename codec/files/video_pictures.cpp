@@ -23,14 +23,14 @@ constexpr std::size_t kBack = 8;
 constexpr std::size_t kDecoders = 4;
 constexpr std::uint64_t kMostMemory = std::uint64_t{256} << 20;
 
-std::string header_of(const VideoTrack& track, VideoPictures::Kind kind) {
-  const bool depth = kind == VideoPictures::Kind::depth;
+std::string header_of(const VideoTrack& track, TrackPictures::Kind kind) {
+  const bool depth = kind == TrackPictures::Kind::depth;
   return concat(depth ? "P5\n" : "P6\n", track.width, " ", track.height, "\n",
                 depth ? "65535\n" : "255\n");
 }
 
-std::size_t pixel_bytes(VideoPictures::Kind kind) {
-  return kind == VideoPictures::Kind::depth ? 2 : 3;
+std::size_t pixel_bytes(TrackPictures::Kind kind) {
+  return kind == TrackPictures::Kind::depth ? 2 : 3;
 }
 
 /// The first line of what ffmpeg said about pictures; empty if there is none. What it says about
@@ -46,7 +46,7 @@ std::string_view complaint_in(std::string_view said) {
 
 }  // namespace
 
-VideoPictures::VideoPictures(std::filesystem::path file, VideoTrack track, Kind kind,
+TrackPictures::TrackPictures(std::filesystem::path file, VideoTrack track, Kind kind,
                              std::uint64_t max_memory)
     : file_(std::move(file)),
       track_(std::move(track)),
@@ -55,7 +55,7 @@ VideoPictures::VideoPictures(std::filesystem::path file, VideoTrack track, Kind 
           1, std::min(kMostMemory, max_memory) /
                  (std::uint64_t{track_.width} * track_.height * pixel_bytes(kind))))) {}
 
-Result<std::shared_ptr<const Bytes>> VideoPictures::read(std::size_t picture) {
+Result<std::shared_ptr<const Bytes>> TrackPictures::read(std::size_t picture) {
   const std::lock_guard lock(mutex_);
   for (const auto& [number, kept] : kept_)
     if (number == picture) return kept;
@@ -73,7 +73,7 @@ Result<std::shared_ptr<const Bytes>> VideoPictures::read(std::size_t picture) {
   }
 }
 
-Result<VideoPictures::Decoder*> VideoPictures::decoder_for(std::size_t picture) {
+Result<TrackPictures::Decoder*> TrackPictures::decoder_for(std::size_t picture) {
   Decoder* nearest = nullptr;
   bool is_back = false;
   for (const auto& decoder : decoders_) {
@@ -97,7 +97,7 @@ Result<VideoPictures::Decoder*> VideoPictures::decoder_for(std::size_t picture) 
   return least->get();
 }
 
-Result<void> VideoPictures::start(Decoder& decoder, std::size_t at) const {
+Result<void> TrackPictures::start(Decoder& decoder, std::size_t at) const {
   std::vector<std::string> arguments{"-protocol_whitelist",
                                      "file",
                                      "-f",
@@ -123,7 +123,7 @@ Result<void> VideoPictures::start(Decoder& decoder, std::size_t at) const {
   return {};
 }
 
-Result<VideoPictures::Picture> VideoPictures::decode_next(Decoder& decoder) {
+Result<TrackPictures::Picture> TrackPictures::decode_next(Decoder& decoder) {
   const std::string header = header_of(track_, kind_);
   Bytes bytes(header.size() + std::size_t{track_.width} * track_.height * pixel_bytes(kind_));
   std::copy(header.begin(), header.end(), bytes.begin());
@@ -145,7 +145,7 @@ Result<VideoPictures::Picture> VideoPictures::decode_next(Decoder& decoder) {
   return std::make_shared<const Bytes>(std::move(bytes));
 }
 
-void VideoPictures::keep(std::size_t number, Picture picture) {
+void TrackPictures::keep(std::size_t number, Picture picture) {
   if (kept_.size() < most_kept_) {
     kept_.emplace_back(number, std::move(picture));
     return;

@@ -21,11 +21,11 @@ namespace pointreel {
 /// be used by several threads at once. Damaged pictures of depth are errors, and so may be some
 /// near them; damaged colours may be left out, and those after them then come too early. Trust: see
 /// depth_video.h.
-class VideoPictures {
+class TrackPictures {
  public:
   enum class Kind : std::uint8_t { depth, color };
 
-  VideoPictures(std::filesystem::path file, VideoTrack track, Kind kind, std::uint64_t max_memory);
+  TrackPictures(std::filesystem::path file, VideoTrack track, Kind kind, std::uint64_t max_memory);
 
   const VideoTrack& track() const { return track_; }
   /// Errors do not contain the path.

@@ -21,7 +21,7 @@ void SphereSums::add(const glm::dvec3& position, const glm::dvec3& normal, doubl
   pn += weight * glm::dot(position, normal);
 }
 
-std::optional<SurfacePoint> AlgebraicSphere::project(const glm::dvec3& from) const {
+std::optional<SpherePoint> AlgebraicSphere::project(const glm::dvec3& from) const {
   const glm::dvec3 gradient = u + 2.0 * u4 * from;
   const double slope = glm::length(gradient);
   if (!(slope > 0.0)) return std::nullopt;
@@ -30,7 +30,7 @@ std::optional<SurfacePoint> AlgebraicSphere::project(const glm::dvec3& from) con
   // which are infinite for a plane.
   const double discriminant = std::max(0.0, slope * slope - 4.0 * u4 * value);
   const double t = -2.0 * value / (slope + std::sqrt(discriminant));
-  SurfacePoint found;
+  SpherePoint found;
   found.position = from + gradient * (t / slope);
   found.normal = gradient * (1.0 + 2.0 * u4 * t / slope);
   const double length = glm::length(found.normal);

@@ -20,8 +20,8 @@ struct SphereSums {
   void add(const glm::dvec3& position, const glm::dvec3& normal, double weight);
 };
 
-/// A point on a surface.
-struct SurfacePoint {
+/// A point on a sphere.
+struct SpherePoint {
   glm::dvec3 position{0.0};
   glm::dvec3 normal{0.0};  ///< of unit length
 };
@@ -36,7 +36,7 @@ struct AlgebraicSphere {
   /// The point of the sphere that is nearest to `from`, or nothing where the gradient vanishes. If
   /// the sphere has no real point, that of the least algebraic distance along the gradient.
   /// Accurate for every u4, also 0.
-  std::optional<SurfacePoint> project(const glm::dvec3& from) const;
+  std::optional<SpherePoint> project(const glm::dvec3& from) const;
 };
 
 /// The sphere whose gradients fit the normals best, and which then fits the points best (section

@@ -22,7 +22,7 @@ std::string seconds(std::uint64_t us) {
   return number_text(static_cast<double>(us) * 1e-6, 9) + " s";
 }
 
-Result<FrameRange> frames_of(const CutOptions& options, const Manifest& manifest) {
+Result<CutRange> frames_of(const CutOptions& options, const Manifest& manifest) {
   const std::uint32_t count = manifest.frame_count();
   if (count == 0) return fail(ErrorCode::argument, "has no frames");
   if (options.frames) {
@@ -37,7 +37,7 @@ Result<FrameRange> frames_of(const CutOptions& options, const Manifest& manifest
                 fmt::format("is over after {}, and nothing is left from {} on",
                             seconds(manifest.duration_us), seconds(options.from_us)));
   }
-  return FrameRange{frame_at(manifest, options.from_us), frame_at(manifest, options.to_us - 1)};
+  return CutRange{frame_at(manifest, options.from_us), frame_at(manifest, options.to_us - 1)};
 }
 
 /// The share of what was done to all frames that falls to some of them.
@@ -64,7 +64,7 @@ struct Cut {
   }
 };
 
-Cut cut_at(const CutOptions& options, const Manifest& manifest, FrameRange frames) {
+Cut cut_at(const CutOptions& options, const Manifest& manifest, CutRange frames) {
   Cut cut{locate(manifest, frames.first), locate(manifest, frames.last), options.from_us,
           std::min(options.to_us, manifest.duration_us)};
   // Video needs the frames before in its group, which are over when the first wanted one begins.
@@ -121,7 +121,7 @@ Result<std::optional<AudioFile>> cut_sound(const CutOptions& options, const Audi
 
 Result<CutReport> cut_package(const CutOptions& options, const std::stop_token& stop) {
   const Manifest manifest = TRY(options.input.manifest());
-  const FrameRange wanted = TRY(at_place(options.input.shown(), frames_of(options, manifest)));
+  const CutRange wanted = TRY(at_place(options.input.shown(), frames_of(options, manifest)));
   const Cut cut = cut_at(options, manifest, wanted);
   Manifest kept = keep(manifest, cut);
   OutputFolder folder = TRY(OutputFolder::create(

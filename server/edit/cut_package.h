@@ -12,21 +12,21 @@
 namespace pointreel {
 
 /// From the first to the last, both included.
-struct FrameRange {
+struct CutRange {
   std::uint32_t first = 0, last = 0;
 };
 
 struct CutOptions {
   PackageFiles input;
   std::filesystem::path output;
-  std::optional<FrameRange> frames = {};  ///< which to keep; absent: those of the times
+  std::optional<CutRange> frames = {};  ///< which to keep; absent: those of the times
   /// Which to keep: all that are shown from one time of the reel, up to but not at another.
   std::uint64_t from_us = 0, to_us = UINT64_MAX;
   bool force = false;  ///< replace a package
 };
 
 struct CutReport {
-  FrameRange frames;  ///< that were kept, by their numbers in the old package
+  CutRange frames;  ///< that were kept, by their numbers in the old package
   std::uint32_t segments = 0;
   std::uint64_t bytes = 0;         ///< of all files of the new package
   std::optional<AudioFile> audio;  ///< of the new package

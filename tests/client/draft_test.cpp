@@ -10,7 +10,7 @@ namespace pointreel::draft_test {
 namespace {
 
 constexpr int kCoarsest = 4;  ///< the largest reduction
-constexpr Coarsening kAsAsked{}, kLarger{1, 1.25f}, kHalf{2, 1.0f};
+constexpr DraftCoarsening kAsAsked{}, kLarger{1, 1.25f}, kHalf{2, 1.0f};
 constexpr std::uint64_t kMany = 1'000'000;
 constexpr Haste kNobody{}, kHand{Haste::Of::hand}, kClock{Haste::Of::clock, 1000.0 / 30};
 
@@ -70,18 +70,18 @@ TEST(Draft, never_becomes_finer_while_the_hand_still_moves) {
 class PlayingDraft : public testing::Test {
  protected:
   /// Draws the given number of pictures in a row while the clock waits for them.
-  std::vector<Coarsening> play(int pictures, double whole_ms) {
-    std::vector<Coarsening> all;
+  std::vector<DraftCoarsening> play(int pictures, double whole_ms) {
+    std::vector<DraftCoarsening> all;
     for (int i = 0; i < pictures; ++i) all.push_back(draw(kClock, whole_ms));
     return all;
   }
-  Coarsening draw(const Haste& haste, double whole_ms) {
-    const Coarsening coarsening = draft_.coarsening(haste, kMany);
+  DraftCoarsening draw(const Haste& haste, double whole_ms) {
+    const DraftCoarsening coarsening = draft_.coarsening(haste, kMany);
     const double elements = coarsening.pixel_size > 1.0f ? share_of_larger_ : 1.0;
     draft_.drew(kMany, elements * whole_ms / (coarsening.reduction * coarsening.reduction));
     return coarsening;
   }
-  static int changes(const std::vector<Coarsening>& pictures) {
+  static int changes(const std::vector<DraftCoarsening>& pictures) {
     int count = 0;
     for (std::size_t i = 1; i < pictures.size(); ++i) count += pictures[i] != pictures[i - 1];
     return count;
@@ -93,12 +93,12 @@ class PlayingDraft : public testing::Test {
 
 TEST_F(PlayingDraft, is_whole_if_there_is_time) {
   draw(kHand, 20.0);
-  EXPECT_EQ(play(100, 20.0), std::vector<Coarsening>(100, kAsAsked));
+  EXPECT_EQ(play(100, 20.0), std::vector<DraftCoarsening>(100, kAsAsked));
 }
 
 TEST_F(PlayingDraft, soon_becomes_whole_if_only_the_first_picture_took_long) {
   draw(kHand, 16 * 40.0);
-  const std::vector<Coarsening> pictures = play(100, 10.0);
+  const std::vector<DraftCoarsening> pictures = play(100, 10.0);
   EXPECT_EQ(pictures.back(), kAsAsked);
   EXPECT_LE(changes(pictures), 2);
 }
@@ -107,13 +107,13 @@ TEST_F(PlayingDraft, has_larger_elements_and_all_pixels_if_that_suffices) {
   share_of_larger_ = 0.55;
   draw(kNobody, 38.0);
   draw(kNobody, 38.0);
-  EXPECT_EQ(play(500, 38.0), std::vector<Coarsening>(500, kLarger));
+  EXPECT_EQ(play(500, 38.0), std::vector<DraftCoarsening>(500, kLarger));
 }
 
 TEST_F(PlayingDraft, has_half_the_pixels_if_larger_elements_do_not_help) {
   draw(kNobody, 38.0);
   draw(kNobody, 38.0);
-  const std::vector<Coarsening> pictures = play(500, 38.0);
+  const std::vector<DraftCoarsening> pictures = play(500, 38.0);
   EXPECT_EQ(pictures[0], kLarger);
   EXPECT_EQ(pictures[3], kHalf);
   EXPECT_EQ(pictures.back(), kHalf);
@@ -123,9 +123,9 @@ TEST_F(PlayingDraft, has_half_the_pixels_if_larger_elements_do_not_help) {
 TEST_F(PlayingDraft, is_half_at_once_and_a_quarter_soon_if_the_last_picture_took_much_too_long) {
   draw(kNobody, 60.0);
   draw(kNobody, 60.0);
-  EXPECT_EQ(play(200, 60.0), std::vector<Coarsening>(200, kHalf));
+  EXPECT_EQ(play(200, 60.0), std::vector<DraftCoarsening>(200, kHalf));
   draw(kNobody, 400.0);
-  const std::vector<Coarsening> pictures = play(200, 400.0);
+  const std::vector<DraftCoarsening> pictures = play(200, 400.0);
   EXPECT_EQ(pictures.front(), kHalf);
   EXPECT_EQ(pictures[3].reduction, kCoarsest);
   EXPECT_EQ(changes(pictures), 1);
@@ -135,14 +135,14 @@ TEST_F(PlayingDraft, does_not_become_coarser_for_a_single_slow_picture) {
   draw(kNobody, 15.0);
   play(20, 15.0);
   play(1, 45.0);
-  EXPECT_EQ(play(20, 15.0), std::vector<Coarsening>(20, kAsAsked));
+  EXPECT_EQ(play(20, 15.0), std::vector<DraftCoarsening>(20, kAsAsked));
 }
 
 TEST_F(PlayingDraft, becomes_finer_again_after_a_while) {
   draw(kNobody, 15.0);
   play(20, 15.0);
   EXPECT_EQ(play(20, 70.0).back(), kHalf) << "another program takes processor time";
-  const std::vector<Coarsening> pictures = play(100, 15.0);
+  const std::vector<DraftCoarsening> pictures = play(100, 15.0);
   EXPECT_EQ(pictures[10], kHalf);
   EXPECT_EQ(pictures.back(), kAsAsked);
   EXPECT_EQ(changes(pictures), 2);
@@ -151,9 +151,9 @@ TEST_F(PlayingDraft, becomes_finer_again_after_a_while) {
 TEST_F(PlayingDraft, does_not_flicker_if_smaller_pictures_are_faster_than_estimated) {
   // At half of the pixels per side, a picture takes a tenth of the time.
   int changed = 0;
-  Coarsening before;
+  DraftCoarsening before;
   for (int i = 0; i < 2000; ++i) {
-    const Coarsening coarsening = draft_.coarsening(kClock, kMany);
+    const DraftCoarsening coarsening = draft_.coarsening(kClock, kMany);
     changed += std::exchange(before, coarsening) != coarsening;
     draft_.drew(kMany, coarsening.reduction == 1 ? 40.0 : 4.0);
   }

@@ -125,7 +125,7 @@ class Edit : public PackTest {
 
   Result<CutReport> cut(const fs::path& from, const std::string& to, std::uint32_t first,
                         std::uint32_t last) const {
-    return cut_package({.input = from, .output = at(to), .frames = FrameRange{first, last}});
+    return cut_package({.input = from, .output = at(to), .frames = CutRange{first, last}});
   }
   Result<JoinedPackages> join(const std::vector<std::string>& names, const std::string& to,
                               bool force = false) const {
@@ -468,7 +468,7 @@ TEST_F(RecorderTest, a_recording_is_cut_while_it_grows_and_joined_with_the_next)
   EXPECT_EQ(growing->frames.last, 19u);
   EXPECT_EQ(read_manifest(out / "growing")->captured_us, kStart);
   ASSERT_TRUE(
-      cut_package({.input = package(), .output = out / "later", .frames = FrameRange{7, 12}}));
+      cut_package({.input = package(), .output = out / "later", .frames = CutRange{7, 12}}));
   EXPECT_EQ(read_manifest(out / "later")->captured_us, kStart + 7 * kPeriod);
   EXPECT_FALSE(read_manifest(out / "growing")->live);
   recorder.end();

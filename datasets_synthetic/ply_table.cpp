@@ -49,9 +49,9 @@ std::string_view name_of(PlyType type, bool sized) {
 }
 
 std::string ply_begin(PlyFormat format, std::string_view line_end) {
-  constexpr std::array<std::string_view, 3> kFormats{"ascii", "binary_little_endian",
-                                                     "binary_big_endian"};
-  return fmt::format("ply{1}format {0} 1.0{1}", kFormats[static_cast<std::size_t>(format)],
+  constexpr std::array<std::string_view, 3> kFormatWords{"ascii", "binary_little_endian",
+                                                         "binary_big_endian"};
+  return fmt::format("ply{1}format {0} 1.0{1}", kFormatWords[static_cast<std::size_t>(format)],
                      line_end);
 }
 

@@ -41,9 +41,7 @@ inline pointreel::Manifest small_manifest(const std::string& base, const std::st
   segment.points = {7};
   segment.cube = {{0, 0, 0}, 1};
   for (const auto& [path, content] : {std::pair{"0.base.prs", base}, {"0.full.prs", full}}) {
-    segment.layers.push_back({path,
-                              content.size(),
-                              checksum_of_text(content),
+    segment.layers.push_back({{path, content.size(), checksum_of_text(content)},
                               {{static_cast<std::uint32_t>(content.size()), 0, 0}}});
   }
   manifest.segments = {segment};

@@ -27,8 +27,8 @@ inline Manifest small_manifest() {
   Segment segment;
   segment.times_us = {0, 100'000};
   segment.points = {5, 6};
-  segment.layers = {{"0.base.bin", 30, 1, {{4, 3, 2}, {10, 6, 5}}},
-                    {"0.full.bin", 8, 2, {{5, 0, 0}, {1, 1, 1}}}};
+  segment.layers = {{{"0.base.bin", 30, 1}, {{4, 3, 2}, {10, 6, 5}}},
+                    {{"0.full.bin", 8, 2}, {{5, 0, 0}, {1, 1, 1}}}};
   manifest.segments = {segment};
   return manifest;
 }

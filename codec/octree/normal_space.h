@@ -31,15 +31,15 @@ inline glm::vec3 normal_from_value(const Short4& value) {
 /// The unit vector along the value, times 32767 and rounded; zero if the value is shorter than
 /// `least`.
 inline glm::i16vec3 direction_from_value(const Short4& value, float least) {
-  typedef float Float4 __attribute__((vector_size(16)));
-  const Float4 v = __builtin_convertvector(load(value) & Int4{-1, -1, -1, 0}, Float4);
-  const Float4 squares = v * v;
+  typedef float FourFloats __attribute__((vector_size(16)));
+  const FourFloats v = __builtin_convertvector(load(value) & Int4{-1, -1, -1, 0}, FourFloats);
+  const FourFloats squares = v * v;
   const float squared = squares[0] + squares[1] + squares[2];
   if (squared == 0.0f || squared < least * least) return glm::i16vec3(0);
-  const Float4 scaled = v * (32767.0f / std::sqrt(squared));
+  const FourFloats scaled = v * (32767.0f / std::sqrt(squared));
   // Rounds half away from zero, as std::round does, but inline.
-  const Float4 half =
-      scaled < 0.0f ? Float4{-0.5f, -0.5f, -0.5f, 0.0f} : Float4{0.5f, 0.5f, 0.5f, 0.0f};
+  const FourFloats half =
+      scaled < 0.0f ? FourFloats{-0.5f, -0.5f, -0.5f, 0.0f} : FourFloats{0.5f, 0.5f, 0.5f, 0.0f};
   const Int4 rounded = __builtin_convertvector(scaled + half, Int4);
   return {static_cast<std::int16_t>(rounded[0]), static_cast<std::int16_t>(rounded[1]),
           static_cast<std::int16_t>(rounded[2])};

@@ -8,6 +8,10 @@ add_library(pointreel_flags INTERFACE)
 # depend on the compiler and the processor.
 target_compile_options(pointreel_flags INTERFACE
   -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -ffp-contract=off)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  # libstdc++ 12 uses a function of its own that it has deprecated, in std::stable_sort.
+  target_compile_options(pointreel_flags INTERFACE -Wno-deprecated-declarations)
+endif()
 target_compile_definitions(pointreel_flags INTERFACE GLM_FORCE_EXPLICIT_CTOR)
 target_include_directories(pointreel_flags INTERFACE ${PROJECT_SOURCE_DIR})
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")

@@ -126,8 +126,8 @@ TEST(HttpSource, accepts_a_whole_file_as_the_range_that_covers_it) {
   Manifest manifest = small_manifest();
   manifest.segments[0].times_us = {0};
   manifest.segments[0].points = {5};
-  manifest.segments[0].layers = {{"0.base.bin", 9, 1, {{4, 3, 2}}},
-                                 {"0.full.bin", 2, 2, {{2, 0, 0}}}};
+  manifest.segments[0].layers = {{{"0.base.bin", 9, 1}, {{4, 3, 2}}},
+                                 {{"0.full.bin", 2, 2}, {{2, 0, 0}}}};
   ScriptedHttpServer server([&](int socket, const std::string& head) {
     const auto has = [&](const char* name) { return head.find(name) != std::string::npos; };
     answer(socket, "200 OK", "",

@@ -21,7 +21,8 @@ PointCloud sphere(std::size_t points) {
   PointCloud cloud;
   const auto radius = static_cast<float>(std::sqrt(4.0 * 3.14159 / static_cast<double>(points)));
   for (std::size_t i = 0; i < points; ++i) {
-    const glm::vec3 n = glm::normalize(glm::vec3(gauss(random), gauss(random), gauss(random)));
+    const float z = gauss(random), y = gauss(random), x = gauss(random);
+    const glm::vec3 n = glm::normalize(glm::vec3(x, y, z));
     cloud.positions.push_back(n);
     cloud.normals.push_back(n);
     cloud.radii.push_back(radius);

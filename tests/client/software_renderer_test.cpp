@@ -39,7 +39,9 @@ PointCloud dented_sphere(int points) {
   const auto unit = [&random] { return static_cast<float>(random() >> 8) / 8388608.0f - 1.0f; };
   PointCloud cloud;
   while (static_cast<int>(cloud.size()) < points) {
-    const glm::vec3 p(unit(), unit(), unit());
+    // Each by itself, since compilers choose in which order they compute arguments.
+    const float z = unit(), y = unit(), x = unit();
+    const glm::vec3 p(x, y, z);
     const float square = glm::dot(p, p);
     if (square > 1.0f || square < 0.01f) continue;
     const glm::vec3 n = p / std::sqrt(square);

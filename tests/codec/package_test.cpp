@@ -36,13 +36,14 @@ Manifest example() {
   first.cube = {{1e6 + 0.1, -2, 3}, 7.0 / 3.0};
   first.times_us = {0, 33366};
   first.points = {1000, 1001};
-  first.layers = {{"00000.base.prs", 150, 0x0123456789abcdefu, {{40, 30, 0}, {50, 30, 0}}},
-                  {"00000.full.prs", 500, 0xfedcba9876543210u, {{200, 0, 0}, {200, 100, 0}}}};
+  first.layers = {{{"00000.base.prs", 150, 0x0123456789abcdefu}, {{40, 30, 0}, {50, 30, 0}}},
+                  {{"00000.full.prs", 500, 0xfedcba9876543210u}, {{200, 0, 0}, {200, 100, 0}}}};
   Segment second;
   second.first_frame = 2;
   second.times_us = {66733};
   second.points = {0};
-  second.layers = {{"00002.base.prs", 24, 1, {{24, 0, 0}}}, {"00002.full.prs", 0, 2, {{0, 0, 0}}}};
+  second.layers = {{{"00002.base.prs", 24, 1}, {{24, 0, 0}}},
+                   {{"00002.full.prs", 0, 2}, {{0, 0, 0}}}};
   m.segments = {first, second};
   return m;
 }
@@ -360,16 +361,16 @@ TEST(Manifest, refuses_sizes_that_do_not_add_up) {
 
 TEST(Manifest, refuses_chunks_that_no_frame_can_have) {
   Manifest m = example();
-  m.segments[1].layers[0] = {"00002.base.prs", 0, 1, {{0, 0, 0}}};
+  m.segments[1].layers[0] = {{"00002.base.prs", 0, 1}, {{0, 0, 0}}};
   EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("has no geometry"));
   m = example();
-  m.segments[1].layers[1] = {"00002.full.prs", 5, 1, {{0, 5, 0}}};
+  m.segments[1].layers[1] = {{"00002.full.prs", 5, 1}, {{0, 5, 0}}};
   EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("segments[1]: files[1].frames[0]"));
   m = example();
   m.colors = false;
   EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("without colours"));
   m = example();
-  m.segments[0].layers[1] = {"00000.full.prs", 500, 1, {{200, 0, 0}, {200, 0, 100}}};
+  m.segments[0].layers[1] = {{"00000.full.prs", 500, 1}, {{200, 0, 0}, {200, 0, 100}}};
   EXPECT_THAT(error_of(write_manifest(m)), HasSubstr("without normals"));
 }
 

@@ -25,7 +25,11 @@ PointCloud noisy(std::uint32_t seed) {
   PointCloud cloud = ellipsoid(8000);
   std::mt19937 random(seed);
   std::normal_distribution<float> normal;
-  const auto vector = [&] { return glm::vec3(normal(random), normal(random), normal(random)); };
+  const auto vector = [&] {
+    // Each by itself, since compilers choose in which order they compute arguments.
+    const float z = normal(random), y = normal(random), x = normal(random);
+    return glm::vec3(x, y, z);
+  };
   for (glm::vec3& p : cloud.positions) p += 0.01f * vector();
   for (glm::vec3& n : cloud.normals) n = glm::normalize(n + 0.3f * vector());
   for (std::size_t i = 0; i < 10; ++i) cloud.positions[i] *= 2.0f + 0.2f * static_cast<float>(i);

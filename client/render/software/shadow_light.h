@@ -51,7 +51,7 @@ POINTREEL_INLINE Lanes light_reaching(const ShadowMap& shadow, const LaneVec& po
   // The most that can be lit (Chebyshev). The last part of it is mostly light that leaks.
   const Lanes most = variance / (variance + behind * behind);
   const Lanes lit = (most - kLeak) / (1.0f - kLeak);
-  return inside & (behind > 0.0f) ? max_of(min_of(lit, Lanes{} + 1.0f), Lanes{}) : Lanes{} + 1.0f;
+  return (inside & (behind > 0.0f)) ? max_of(min_of(lit, Lanes{} + 1.0f), Lanes{}) : Lanes{} + 1.0f;
 }
 
 }  // namespace pointreel

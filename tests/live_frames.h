@@ -27,7 +27,7 @@ inline LiveHello plain_hello(std::uint64_t session = 1) {
 /// The hello of the publisher of that number.
 inline LiveMessage publisher_message(std::uint8_t number = 1,
                                      const LiveHello& hello = plain_hello()) {
-  return text_message(write_publisher_hello(hello, LiveSecret{number}));
+  return text_message(write_publisher_hello(hello, {LiveSecret{number}}));
 }
 
 /// The base begins with a frame header if it has the size for it.

@@ -1,7 +1,6 @@
 #include "codec/live/frame_sender.h"
 
 #include <algorithm>
-#include <random>
 #include <utility>
 #include <vector>
 
@@ -16,13 +15,6 @@ namespace {
 
 /// How long sending the last frames may take at the end; the longer time over a link that works.
 constexpr std::chrono::milliseconds kFlushTime{2000}, kSlowFlushTime{8000};
-
-LiveSecret random_secret() {
-  std::random_device device;
-  LiveSecret secret;
-  for (std::uint8_t& byte : secret) byte = static_cast<std::uint8_t>(device());
-  return secret;
-}
 
 /// The messages of an encoded frame, one for each layer.
 std::vector<LiveMessage> messages_of(EncodedFrame encoded, std::uint32_t number,
@@ -42,8 +34,8 @@ std::vector<LiveMessage> messages_of(EncodedFrame encoded, std::uint32_t number,
 
 }  // namespace
 
-FrameSender::FrameSender(OutboxOptions options, const ReelHead& head)
-    : secret_(random_secret()), outbox_(std::move(options)) {
+FrameSender::FrameSender(OutboxOptions options, const ReelHead& head, LiveIdentity identity)
+    : identity_(identity), outbox_(std::move(options)) {
   static_cast<ReelHead&>(hello_) = head;
 }
 
@@ -84,7 +76,7 @@ void FrameSender::greet(const Content& content) {
   if (greeted_ && hello == hello_) return;
   greeted_ = true;
   hello_ = std::move(hello);
-  outbox_.hello(text_message(write_publisher_hello(hello_, secret_)));
+  outbox_.hello(text_message(write_publisher_hello(hello_, identity_)));
 }
 
 std::string stream_name_of(const std::string& url) { return url.substr(url.rfind('/') + 1); }

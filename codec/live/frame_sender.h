@@ -19,7 +19,7 @@ namespace pointreel {
 /// said of the stream, it sends that.
 class FrameSender {
  public:
-  FrameSender(OutboxOptions options, const ReelHead& head);
+  FrameSender(OutboxOptions options, const ReelHead& head, LiveIdentity identity = {});
 
   /// What a frame adds to what is said of the stream.
   struct Content {
@@ -44,7 +44,7 @@ class FrameSender {
   void greet(const Content& content);
   std::uint64_t time_of(std::uint64_t capture_us) const;
 
-  const LiveSecret secret_;
+  const LiveIdentity identity_;
   LiveHello hello_;
   bool greeted_ = false;
   std::uint32_t number_ = 0;

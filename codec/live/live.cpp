@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <utility>
 
 #include <fmt/format.h>
@@ -85,30 +86,27 @@ Result<LiveHello> viewer_hello_of(const JsonValue& root) {
 
 Result<PublisherHello> publisher_hello_of(const JsonValue& root) {
   Fields fields(root);
-  const std::string secret = fields.text("secret");
-  const auto first = parse_hex(std::string_view(secret).substr(0, 16));
-  const auto second =
-      parse_hex(std::string_view(secret).substr(std::min<std::size_t>(secret.size(), 16)));
-  if (!first || !second) fields.refuse("secret", "is not 32 lowercase hexadecimal digits");
-  PublisherHello publisher{TRY(hello_of(fields)), {}};
-  for (std::size_t i = 0; i < 8; ++i) {
-    publisher.secret[i] = static_cast<std::uint8_t>(*first >> (56 - 8 * i));
-    publisher.secret[8 + i] = static_cast<std::uint8_t>(*second >> (56 - 8 * i));
+  constexpr const char* kBad = "is not 32 lowercase hexadecimal digits";
+  const auto secret = parse_secret(fields.text("secret"));
+  if (!secret) fields.refuse("secret", kBad);
+  std::optional<LiveSecret> earlier;
+  if (fields.has("earlier_secret")) {
+    earlier = parse_secret(fields.text("earlier_secret"));
+    if (!earlier) fields.refuse("earlier_secret", kBad);
   }
-  return publisher;
+  return PublisherHello{TRY(hello_of(fields)), {secret.value_or(LiveSecret{}), earlier}};
 }
 
 std::string vector_text(const glm::dvec3& v) {
   return fmt::format("[{},{},{}]", dump(v.x), dump(v.y), dump(v.z));
 }
 
-/// A hello whose session or secret, `key`, has this value. Put together from single values, because
+/// A hello with these members for its session or secrets. Put together from single values, because
 /// a tree of them that is being built does not survive a lack of memory, which must not end a
 /// server.
-std::string hello_text(const LiveHello& hello, std::string_view key, std::string_view value) {
-  std::string text =
-      fmt::format(R"({{"type":"hello","version":{},"name":{},"{}":"{}","codec":"{}")",
-                  kPackageVersion, dump(hello.name), key, value, hello.codec);
+std::string hello_text(const LiveHello& hello, std::string_view members) {
+  std::string text = fmt::format(R"({{"type":"hello","version":{},"name":{},{},"codec":"{}")",
+                                 kPackageVersion, dump(hello.name), members, hello.codec);
   if (!hello.entropy.empty()) text += fmt::format(R"(,"entropy":"{}")", hello.entropy);
   text += fmt::format(R"(,"fps":{},"up":"{}","colors":{},"normals":{})", dump(hello.fps),
                       hello.up.text(), hello.colors, hello.normals);
@@ -152,11 +150,37 @@ std::uint64_t frame_duration_us(double fps) {
 }
 
 std::string write_hello(const LiveHello& hello) {
-  return hello_text(hello, "session", fmt::format("{:016x}", hello.session));
+  return hello_text(hello, fmt::format(R"("session":"{:016x}")", hello.session));
 }
 
-std::string write_publisher_hello(const LiveHello& hello, const LiveSecret& secret) {
-  return hello_text(hello, "secret", fmt::format("{:02x}", fmt::join(secret, "")));
+LiveSecret random_secret() {
+  std::random_device device;
+  LiveSecret secret;
+  for (std::uint8_t& byte : secret) byte = static_cast<std::uint8_t>(device());
+  return secret;
+}
+
+std::string secret_text(const LiveSecret& secret) {
+  return fmt::format("{:02x}", fmt::join(secret, ""));
+}
+
+std::optional<LiveSecret> parse_secret(std::string_view text) {
+  const auto first = parse_hex(text.substr(0, 16));
+  const auto second = parse_hex(text.substr(std::min<std::size_t>(text.size(), 16)));
+  if (!first || !second) return std::nullopt;
+  LiveSecret secret;
+  for (std::size_t i = 0; i < 8; ++i) {
+    secret[i] = static_cast<std::uint8_t>(*first >> (56 - 8 * i));
+    secret[8 + i] = static_cast<std::uint8_t>(*second >> (56 - 8 * i));
+  }
+  return secret;
+}
+
+std::string write_publisher_hello(const LiveHello& hello, const LiveIdentity& identity) {
+  std::string members = fmt::format(R"("secret":"{}")", secret_text(identity.secret));
+  if (identity.earlier)
+    members += fmt::format(R"(,"earlier_secret":"{}")", secret_text(*identity.earlier));
+  return hello_text(hello, members);
 }
 
 std::string write_drops(const LiveDrops& drops) {

@@ -53,10 +53,21 @@ std::uint64_t frame_duration_us(double fps);
 /// publisher, and nobody else, continues its session after a lost connection.
 using LiveSecret = std::array<std::uint8_t, 16>;
 
+LiveSecret random_secret();
+std::string secret_text(const LiveSecret& secret);  ///< 32 hexadecimal digits
+std::optional<LiveSecret> parse_secret(std::string_view text);
+
+/// By which the server recognises a publisher.
+struct LiveIdentity {
+  LiveSecret secret = random_secret();
+  /// That of a publisher that has ended, whose name this one takes over while it is reserved.
+  std::optional<LiveSecret> earlier = {};
+};
+
 /// The first message of a publisher, which describes the stream to the server.
 struct PublisherHello {
   LiveHello hello;  ///< without a session
-  LiveSecret secret{};
+  LiveIdentity identity;
 };
 
 /// One layer of one frame. Frames come in order, and so do the layers of each frame, base first.
@@ -99,8 +110,8 @@ struct LiveUnknown {
 using LiveText = std::variant<LiveHello, LiveDrops, LiveEnd, LiveStreams, LiveUnknown>;
 
 std::string write_hello(const LiveHello& hello);
-/// The same from a publisher: with the secret in place of the session.
-std::string write_publisher_hello(const LiveHello& hello, const LiveSecret& secret);
+/// The same from a publisher: with its secrets in place of the session.
+std::string write_publisher_hello(const LiveHello& hello, const LiveIdentity& identity);
 std::string write_drops(const LiveDrops& drops);
 std::string write_end();
 /// At most kMaxLiveStreams of them fit into a text.

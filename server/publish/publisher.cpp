@@ -26,6 +26,7 @@
 #include "common/base/try.h"
 #include "common/threads/ordered_turns.h"
 #include "common/threads/tbb_executor.h"
+#include "server/publish/kept_identity.h"
 #include "server/publish/sound_input.h"
 #include "server/rate/frame_time_control.h"
 
@@ -71,13 +72,14 @@ class Publisher {
         frame_time_ms_(options.frame_time_ms.value_or(kBudgetShare * 1000.0 / options.fps *
                                                       static_cast<double>(lanes_))),
         time_(frame_time_ms_, kMaxDepth, kMinDepth),
+        identity_(options.outbox.url),
         sender_(
             [&] {
               OutboxOptions outbox = options.outbox;
               outbox.say = [this](const std::string& line) { say(line); };
               return outbox;
             }(),
-            reel_head(options)) {
+            reel_head(options), identity_.get()) {
     options_.encode.executor = tbb_executor();
   }
 
@@ -339,6 +341,7 @@ class Publisher {
   int allowed_told_ = kMaxDepth;  ///< the depth that was last reported
   std::vector<double> encode_ms_;
   PublishSummary summary_;
+  const KeptIdentity identity_;
   FrameSender sender_;  ///< destroyed first, because its thread calls `say`
 };
 

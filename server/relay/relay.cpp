@@ -148,7 +148,7 @@ class StreamPublication : public Publication {
     auto publisher = TRY(parse_publisher_text(text));
     if (!publisher) return {};
     publisher->hello.servers = {state_->options.server};
-    return greet(std::move(publisher->hello), proof_of(publisher->secret));
+    return greet(std::move(publisher->hello), proofs_of(publisher->identity));
   }
 
   bool greeted() const override { return use_ != nullptr; }
@@ -167,7 +167,7 @@ class StreamPublication : public Publication {
       // Its publisher was started again.
       if (hello->session != session_) leave();
       session_ = hello->session;
-      return greet(std::move(*hello), proof_of_session(session_));
+      return greet(std::move(*hello), {proof_of_session(session_)});
     }
     if (const auto* drops = std::get_if<LiveDrops>(&text)) {
       // They count from the beginning of the connection, and a hostile server may count backward.
@@ -180,12 +180,12 @@ class StreamPublication : public Publication {
     return {};
   }
 
-  Result<void> greet(LiveHello hello, const SessionProof& proof) {
+  Result<void> greet(LiveHello hello, const SessionProofs& proofs) {
     // Of two servers that have the same stream, the second waits until the first has gone.
     const bool may_replace = from_ == From::kPublisher;
-    if (greeted()) return use_->stream().hello(this, std::move(hello), proof, may_replace, now());
+    if (greeted()) return use_->stream().hello(this, std::move(hello), proofs, may_replace, now());
     std::unique_ptr<Use> use = TRY(use_for_publisher(state_, name_));
-    TRY(use->stream().hello(this, std::move(hello), proof, may_replace, now()));
+    TRY(use->stream().hello(this, std::move(hello), proofs, may_replace, now()));
     use_ = std::move(use);
     state_->changed();
     return {};

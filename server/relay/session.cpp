@@ -10,6 +10,12 @@ SessionProof proof_of(const LiveSecret& secret) {
   return proof;
 }
 
+SessionProofs proofs_of(const LiveIdentity& identity) {
+  SessionProofs proofs{proof_of(identity.secret)};
+  if (identity.earlier) proofs.earlier = proof_of(*identity.earlier);
+  return proofs;
+}
+
 std::uint64_t session_of(const SessionProof& proof) {
   std::uint64_t session = 0;
   for (std::size_t i = 0; i < sizeof(session); ++i) session = session << 8 | proof[i];

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "codec/live/live.h"
 
@@ -11,6 +12,13 @@ namespace pointreel {
 /// nobody can find the secret from it.
 using SessionProof = std::array<std::uint8_t, 32>;
 SessionProof proof_of(const LiveSecret& secret);
+
+/// The same of a LiveIdentity.
+struct SessionProofs {
+  SessionProof proof{};
+  std::optional<SessionProof> earlier = {};
+};
+SessionProofs proofs_of(const LiveIdentity& identity);
 
 /// The session as viewers see it: the first 64 bits of the proof. It is the same after the server
 /// was started again.

@@ -107,18 +107,21 @@ StreamStatistics Stream::statistics() const {
   return statistics;
 }
 
-Result<void> Stream::hello(const void* publisher, LiveHello hello, const SessionProof& proof,
+Result<void> Stream::hello(const void* publisher, LiveHello hello, const SessionProofs& proofs,
                            bool may_replace, Time now) {
   const std::lock_guard lock(mutex_);
+  const SessionProof& proof = proofs.proof;
   const bool same_session = proof_ == proof;
   const bool other_owner = owner_ != nullptr && owner_ != publisher;
-  if ((!same_session && owner_ != nullptr) || (other_owner && !may_replace)) {
+  const bool takes_over = owner_ != publisher && proofs.earlier == proof_;
+  const bool known = same_session || takes_over;
+  if ((!known && owner_ != nullptr) || (other_owner && !may_replace)) {
     return fail(
         owner_ == publisher
             ? "the secret may not change within a connection"
             : fmt::format("somebody else publishes {} already; choose another name", name_));
   }
-  if (!same_session && now < reserved_until_) {
+  if (!known && now < reserved_until_) {
     const auto left = std::chrono::ceil<std::chrono::seconds>(reserved_until_ - now);
     return fail(fmt::format("{} is kept for {} s for its publisher, which lost its connection",
                             name_, left.count()));

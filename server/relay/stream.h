@@ -36,8 +36,9 @@ class Stream {
       : name_(std::move(name)), options_(options), sinks_(std::move(sinks)) {}
 
   /// Takes the hello of a publisher, which owns the stream if it is accepted. The session is that
-  /// of the proof. `may_replace`: another connection with the same proof is older, and is replaced.
-  Result<void> hello(const void* publisher, LiveHello hello, const SessionProof& proof,
+  /// of the proof. Whoever proves to be the earlier owner takes the name over. `may_replace`:
+  /// another connection with one of these proofs is older, and is replaced.
+  Result<void> hello(const void* publisher, LiveHello hello, const SessionProofs& proofs,
                      bool may_replace, Time now);
   /// Takes a layer from a publisher.
   Result<void> layer(const void* publisher, LiveMessage message);

@@ -86,11 +86,11 @@ TEST(LiveMessages, an_error_in_a_hello_names_the_member) {
 TEST(LiveMessages, the_hello_of_a_publisher_has_a_secret_and_no_session) {
   LiveSecret secret;
   for (std::size_t i = 0; i < secret.size(); ++i) secret[i] = static_cast<std::uint8_t>(17 * i);
-  const std::string text = write_publisher_hello(a_hello(), secret);
+  const std::string text = write_publisher_hello(a_hello(), {secret});
   EXPECT_THAT(text, HasSubstr(R"("secret":"00112233445566778899aabbccddeeff")"));
   EXPECT_THAT(text, testing::Not(HasSubstr("session")));
   const auto parsed = parse_publisher_text(text).value().value();
-  EXPECT_EQ(parsed.secret, secret);
+  EXPECT_EQ(parsed.identity.secret, secret);
   LiveHello without = a_hello();
   without.session = 0;
   EXPECT_EQ(parsed.hello, without);

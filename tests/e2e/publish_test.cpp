@@ -110,6 +110,24 @@ TEST_F(PublishTest, frames_that_are_encoded_side_by_side_keep_their_order) {
   EXPECT_EQ(std::adjacent_find(frames.begin(), frames.end()), frames.end());
 }
 
+TEST_F(PublishTest, a_killed_publisher_takes_its_name_back_and_a_living_one_keeps_it) {
+  Background server("pointreel-server", {"serve", "--live", "--record", record().string(),
+                                         "--listen", "127.0.0.1:0", "--publisher-grace", "3600"});
+  const std::string address = server_address(server);
+  ASSERT_FALSE(address.empty());
+  const fs::path state = folder_ / "state", err = folder_ / "err";
+  const Surroundings same_user{{"XDG_STATE_HOME=" + state.string()}, err.string(), {}};
+  Background first("pointreel-server", publish(address, {"--loop"}), same_user);
+  ASSERT_TRUE(wait_until([&] { return fs::exists(record() / "stage"); }));
+  Background second("pointreel-server", publish(address), same_user);
+  EXPECT_EQ(second.end(0), 1);
+  EXPECT_TRUE(first.running());
+  first.end(SIGKILL);
+  Background again("pointreel-server", publish(address), same_user);
+  EXPECT_EQ(again.end(0), 0);
+  EXPECT_TRUE(fs::is_empty(state / "pointreel" / "publishers"));
+}
+
 TEST_F(PublishTest, fails_if_nothing_answers) {
   const Outcome published = run("pointreel-server", publish("127.0.0.1:1"));
   EXPECT_EQ(published.exit_code, 1);

@@ -80,7 +80,7 @@ void StagePublisher::run() {
   hello.entropy = "context";
   hello.colors = true;
   hello.layer_names = {"base", "middle", "full"};
-  const std::string text = write_publisher_hello(hello, secret);
+  const std::string text = write_publisher_hello(hello, {secret});
   auto due = std::chrono::steady_clock::now();
   std::uint32_t number = 0;
   while (!ending_) {

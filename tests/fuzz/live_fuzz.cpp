@@ -29,9 +29,9 @@ FUZZ_TARGET(live, .longest = 1 << 16, .repeats = true) {
   }
   const std::string_view view = as_text(message);
   if (const auto publisher = parse_publisher_text(view); publisher && *publisher) {
-    const std::string written = write_publisher_hello((*publisher)->hello, (*publisher)->secret);
+    const std::string written = write_publisher_hello((*publisher)->hello, (*publisher)->identity);
     const auto again = parse_publisher_text(written).value().value();
-    if (write_publisher_hello(again.hello, again.secret) != written) std::abort();
+    if (write_publisher_hello(again.hello, again.identity) != written) std::abort();
   }
   const auto text = parse_live_text(view);
   if (!text) {

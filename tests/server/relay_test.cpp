@@ -179,7 +179,7 @@ TEST(Relay, nothing_that_viewers_sinks_or_statistics_get_lets_them_publish) {
   auto owner = relay.publish("stage").value();
   LiveSecret secret;
   secret.fill(0xab);
-  ASSERT_TRUE(owner->message(text_message(write_publisher_hello(plain_hello(), secret))));
+  ASSERT_TRUE(owner->message(text_message(write_publisher_hello(plain_hello(), {secret}))));
   const auto viewer = relay.join("stage", [] {}).value();
   const auto seen = viewer->next().value();
   const std::string text(seen.bytes->begin(), seen.bytes->end());
@@ -197,10 +197,38 @@ TEST(Relay, nothing_that_viewers_sinks_or_statistics_get_lets_them_publish) {
     for (std::size_t i = 0; i < guess.size(); ++i) {
       guess[i] = static_cast<std::uint8_t>(hello.session >> ((shift + 8 * i) % 64));
     }
-    EXPECT_THAT(refusal(*thief, text_message(write_publisher_hello(plain_hello(), guess))),
+    EXPECT_THAT(refusal(*thief, text_message(write_publisher_hello(plain_hello(), {guess}))),
                 HasSubstr("kept"));
   }
   EXPECT_FALSE(relay.statistics()[0].publishing);
+}
+
+TEST(Relay, a_publisher_that_was_started_again_takes_its_name_back) {
+  Relay relay;
+  LiveSecret first, second, third;
+  first.fill(1), second.fill(2), third.fill(3);
+  const auto hello = [](const LiveIdentity& identity) {
+    return text_message(write_publisher_hello(plain_hello(), identity));
+  };
+  const auto killed = relay.publish("stage").value();
+  ASSERT_TRUE(killed->message(hello({first})));
+  const auto viewer = relay.join("stage", [] {}).value();
+  const auto session = [&] {
+    const auto seen = viewer->next().value();
+    const std::string text(seen.bytes->begin(), seen.bytes->end());
+    return std::get<LiveHello>(parse_live_text(text).value()).session;
+  };
+  const std::uint64_t before = session();
+  // Its connection may still look alive.
+  const auto again = relay.publish("stage").value();
+  EXPECT_THAT(refusal(*again, hello({second, third})), HasSubstr("somebody else publishes"));
+  ASSERT_TRUE(again->message(hello({second, first})));
+  EXPECT_NE(session(), before);
+  EXPECT_THAT(refusal(*killed, layer_message(0, 0)), HasSubstr("connected anew"));
+  // It says more of its stream, and nobody takes over by a secret that is no longer valid.
+  ASSERT_TRUE(again->message(hello({second, first})));
+  const auto late = relay.publish("stage").value();
+  EXPECT_THAT(refusal(*late, hello({third, first})), HasSubstr("somebody else publishes"));
 }
 
 TEST(Relay,

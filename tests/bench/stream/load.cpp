@@ -115,7 +115,7 @@ class NoisePublisher {
     hello.entropy = "none";
     hello.fps = kFps;
     hello.layer_names = {"base", "middle", "full"};
-    const std::string text = write_publisher_hello(hello, LiveSecret{});
+    const std::string text = write_publisher_hello(hello, {LiveSecret{}});
     TRY(socket->send(bytes_of(text), WebSocket::Kind::text));
     return std::unique_ptr<NoisePublisher>(new NoisePublisher(std::move(socket)));
   }

@@ -1,0 +1,62 @@
+#include "server/publish/kept_identity.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+namespace pointreel {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Empty if the user has none.
+fs::path state_folder() {
+  const char *state = std::getenv("XDG_STATE_HOME"), *home = std::getenv("HOME");
+  if (state != nullptr && fs::path(state).is_absolute()) return fs::path(state) / "pointreel";
+  if (home == nullptr || !fs::path(home).is_absolute()) return {};
+  return fs::path(home) / ".local" / "state" / "pointreel";
+}
+
+std::string read_text(int file) {
+  char text[64];
+  const ssize_t size = ::pread(file, text, sizeof(text), 0);
+  return {text, static_cast<std::size_t>(size > 0 ? size : 0)};
+}
+
+}  // namespace
+
+KeptIdentity::KeptIdentity(const std::string& url) {
+  const fs::path state = state_folder();
+  if (state.empty()) return;
+  const fs::path folder = state / "publishers";
+  std::error_code error;
+  fs::create_directories(folder, error);
+  path_ = folder / fmt::format("{:016x}", XXH3_64bits(url.data(), url.size()));
+  constexpr mode_t kForUserOnly = 0600;
+  file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kForUserOnly);
+  if (file_ < 0 || ::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+    path_.clear();
+    return;
+  }
+  identity_.earlier = parse_secret(read_text(file_));
+  const std::string text = secret_text(identity_.secret);
+  if (::pwrite(file_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()) ||
+      ::ftruncate(file_, static_cast<off_t>(text.size())) != 0)
+    identity_.earlier.reset();
+}
+
+KeptIdentity::~KeptIdentity() {
+  // A publisher that is not killed gives its name back itself.
+  if (!path_.empty()) ::unlink(path_.c_str());
+  if (file_ >= 0) ::close(file_);
+}
+
+}  // namespace pointreel

@@ -20,6 +20,7 @@ enum class CloudFormat : std::uint8_t {
   text,
   obj,
   gltf,
+  numpy,           ///< .npy or .npz
   sweep,           ///< KITTI's, or one whose name does not tell
   nuscenes_sweep,  ///< five floats a point
   mcap,            ///< many clouds, each a point_cloud2

@@ -9,6 +9,7 @@
 #include "codec/files/gltf.h"
 #include "codec/files/las.h"
 #include "codec/files/mcap.h"
+#include "codec/files/numpy.h"
 #include "codec/files/obj.h"
 #include "codec/files/pcd.h"
 #include "codec/files/ply.h"
@@ -138,6 +139,12 @@ constexpr Row kFormats[] = {
      Likely::yes,
      read_limited<read_gltf>,
      'y'},
+    {CloudFormat::numpy,
+     "numpy",
+     {".npz", ".npy"},
+     {"\x93NUMPY", "PK\x03\x04"},
+     Likely::maybe,
+     read_numpy},
     {CloudFormat::sweep, "KITTI", {".bin"}, {}, Likely::maybe, read_as<read_sweep>, 'z'},
     {CloudFormat::mcap, "MCAP", {".mcap"}, {"\x89MCAP0"}, Likely::yes, refuse_recording, 'z', true},
     {CloudFormat::point_cloud2,
@@ -254,7 +261,7 @@ Result<PointCloud> read_points(const ByteSource& source, CloudFormat format,
   const Row* row = format == CloudFormat::foreign ? find_by_begin(begin) : find(format);
   if (row == nullptr) {
     return fail(
-        concat("is no point cloud file that can be read, by its first bytes or by its "
+        concat("is not a known point cloud file, by its first bytes or by its "
                "name: ",
                known_formats(), " can"));
   }

@@ -9,7 +9,9 @@
 #include <fmt/ranges.h>
 
 #include "codec/files/byte_source.h"
+#include "codec/files/column_guess.h"
 #include "codec/files/format_table.h"
+#include "codec/files/numpy.h"
 #include "codec/files/sample.h"
 #include "codec/files/sweep.h"
 #include "codec/files/text_points.h"
@@ -27,7 +29,7 @@ constexpr std::size_t kSmall = std::size_t{2} << 20;
 
 bool has_unnamed_columns(CloudFormat format) {
   return format == CloudFormat::text || format == CloudFormat::sweep ||
-         format == CloudFormat::nuscenes_sweep;
+         format == CloudFormat::nuscenes_sweep || format == CloudFormat::numpy;
 }
 
 /// The first, the last, and some between.
@@ -42,7 +44,7 @@ std::vector<const CloudFrame*> some_of(const std::vector<CloudFrame>& frames) {
 /// A pipe can be read only once.
 Result<ByteSource> open(const fs::path& path) {
   std::error_code error;
-  if (!fs::is_regular_file(path, error)) return fail(ErrorCode::invalid, "is no regular file");
+  if (!fs::is_regular_file(path, error)) return fail(ErrorCode::invalid, "is not a regular file");
   return ByteSource::open(path);
 }
 
@@ -75,21 +77,14 @@ class ReadingGuess {
       : sequence_(sequence), format_(format), looked_(some_of(sequence.frames)) {}
 
   void guess_columns() {
-    if (format_ != CloudFormat::text && format_ != CloudFormat::sweep) return;
-    std::vector<Bytes> samples;
-    for (const CloudFrame* frame : looked_)
-      if (auto sample = sample_of(*frame, format_)) samples.push_back(std::move(*sample));
-    const std::vector<ByteView> views(samples.begin(), samples.end());
-    Reading& reading = sequence_.reading;
-    if (format_ == CloudFormat::sweep) {
-      reading.columns = guess_sweep_columns(sizes_of(sequence_.frames), views);
-    } else {
-      const std::string name = sequence_.frames.front().file.filename().string();
-      reading.columns = guess_text_columns(views, in_small_letters(name).ends_with(".pts"));
+    if (format_ == CloudFormat::numpy) {
+      sequence_.reading.columns = numpy_columns();
+    } else if (format_ == CloudFormat::text || format_ == CloudFormat::sweep) {
+      sequence_.reading.columns = sampled_columns();
     }
-    if (!reading.columns.empty())
+    if (!sequence_.reading.columns.empty())
       sequence_.guesses.push_back(
-          fmt::format("{} (--columns changes it)", fmt::join(reading.columns, " ")));
+          fmt::format("{} (--columns changes it)", fmt::join(sequence_.reading.columns, " ")));
   }
 
   void guess_full_color() {
@@ -114,6 +109,28 @@ class ReadingGuess {
   }
 
  private:
+  std::vector<std::string> sampled_columns() const {
+    std::vector<Bytes> samples;
+    for (const CloudFrame* frame : looked_)
+      if (auto sample = sample_of(*frame, format_)) samples.push_back(std::move(*sample));
+    const std::vector<ByteView> views(samples.begin(), samples.end());
+    if (format_ == CloudFormat::sweep)
+      return guess_sweep_columns(sizes_of(sequence_.frames), views);
+    const std::string name = sequence_.frames.front().file.filename().string();
+    return guess_text_columns(views, in_small_letters(name).ends_with(".pts"));
+  }
+
+  std::vector<std::string> numpy_columns() const {
+    ColumnGuess guess;
+    std::size_t columns = 0;
+    for (const CloudFrame* frame : looked_) {
+      const auto source = open(frame->file);
+      const std::size_t seen = source ? look_at_numpy(*source, {}, guess) : 0;
+      if (columns == 0) columns = seen;
+    }
+    return columns > 3 ? guess.text_names(columns, false) : std::vector<std::string>();
+  }
+
   CloudSequence& sequence_;
   const CloudFormat format_;
   const std::vector<const CloudFrame*> looked_;

@@ -200,6 +200,8 @@ Result<std::optional<Bytes>> sample_of(const ByteSource& source, CloudFormat for
       return whole(source);
     case CloudFormat::ply:
       return ply_sample(source);
+    case CloudFormat::numpy:
+      return whole(source);
     default:
       return std::optional<Bytes>();
   }

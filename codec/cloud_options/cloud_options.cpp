@@ -45,7 +45,7 @@ Result<std::vector<std::string>> parse_columns(const std::string& text) {
     const std::string name = text.substr(at, end - at);
     if (name != "-" && name != "_" && !is_scalar_name(name)) {
       return fail(ErrorCode::argument,
-                  fmt::format("\"{}\" in --columns is no name of a column", name));
+                  fmt::format("\"{}\" in --columns is not the name of a column", name));
     }
     columns.push_back(name == "-" ? "_" : name);
     at = end + 1;

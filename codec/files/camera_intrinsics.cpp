@@ -87,7 +87,7 @@ Result<CameraIntrinsics> parse_camera_intrinsics(std::string_view json) {
   }
   // False for NaN, too.
   const auto check = [&](const char* name, bool good) {
-    if (!good) fields.refuse(name, "is no number of pixels that a camera can have");
+    if (!good) fields.refuse(name, "is not a number of pixels that a camera can have");
   };
   check("fx", camera.fx >= kLeastFocalLength && camera.fx <= kMostPixels);
   check("fy", camera.fy >= kLeastFocalLength && camera.fy <= kMostPixels);

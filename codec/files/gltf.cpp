@@ -218,7 +218,7 @@ class GltfReader {
 
   static Result<std::string> name_of_extension(const JsonValue& name) {
     const auto text = name.string();
-    if (!text) return fail("the name of an extension is no text");
+    if (!text) return fail("the name of an extension is not text");
     return *text;
   }
 
@@ -266,7 +266,7 @@ class GltfReader {
                            ".glb, or with its data embedded"));
       }
       auto bytes = decode_base64(std::string_view(uri).substr(comma + 8));
-      if (!bytes) return fail(concat("buffers/", i, " is no base64"));
+      if (!bytes) return fail(concat("buffers/", i, " is not base64"));
       decoded_.push_back(std::move(*bytes));
       buffers_.push_back(decoded_.back());
     }
@@ -341,7 +341,7 @@ class GltfReader {
                      : shape == "VEC3" ? 3
                      : shape == "VEC4" ? 4
                                        : 0;
-    if (accessor.width == 0) return fail("its type is no vector");
+    if (accessor.width == 0) return fail("its type is not a vector");
     if (normalized && !is_float(*type)) accessor.scale = 1.0 / largest(*type);
     const std::size_t size = accessor.width * size_of(*type);
     if (fields.has("bufferView")) {
@@ -377,7 +377,7 @@ class GltfReader {
     const std::size_t index_offset = offset_of(indices), value_offset = offset_of(values);
     TRY(indices.check());
     TRY(values.check());
-    if (!type || is_float(*type)) return fail("its sparse indices are no whole numbers");
+    if (!type || is_float(*type)) return fail("its sparse indices are not whole numbers");
     std::size_t ignored = 0;
     const ByteView index_bytes = TRY(view_of(indices, index_offset, ignored));
     const ByteView value_bytes = TRY(view_of(values, value_offset, ignored));
@@ -610,7 +610,7 @@ Result<PointCloud> read_gltf(const ByteSource& source, const DecodeLimits& limit
   // Chunks are filled up with spaces, and by some writers with zeros.
   while (json.ends_with('\0')) json.remove_suffix(1);
   const JsonValue root = TRY(parse_json(json));
-  if (!root.is_object()) return fail("is no glTF file: its JSON is no object");
+  if (!root.is_object()) return fail("is not a glTF file: its JSON is not an object");
   return GltfReader(root, chunks.binary, limits).read(notes);
 }
 

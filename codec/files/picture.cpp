@@ -82,8 +82,7 @@ Result<ColorPicture> read_jpeg(ByteView bytes, std::uint64_t max_pixels) {
   const std::unique_ptr<void, Destroy> jpeg(tjInitDecompress());
   if (jpeg == nullptr) return fail(ErrorCode::limit, "out of memory");
   const auto failed = [&] {
-    return fail(
-        concat("is no JPEG file that can be read: ", printable(tjGetErrorStr2(jpeg.get()))));
+    return fail(concat("is not a readable JPEG file: ", printable(tjGetErrorStr2(jpeg.get()))));
   };
   const auto size = static_cast<unsigned long>(bytes.size());
   int width = 0, height = 0, sampling = 0, space = 0;
@@ -110,7 +109,7 @@ Result<DepthPicture> read_depth_picture(ByteView bytes, std::uint64_t max_pixels
   if (is_png(bytes)) return read_depth_png(bytes, max_pixels);
   if (const auto pgm = netpbm(bytes, "P5")) return read_pgm(*pgm, max_pixels);
   return fail(is_jpeg(bytes) ? "is a JPEG file, which loses depth; it must be PNG"
-                             : "is no PNG file");
+                             : "is not a PNG file");
 }
 
 Result<ColorPicture> read_color_picture(ByteView bytes, std::uint64_t max_pixels) {

@@ -89,7 +89,7 @@ class PngReader {
   }
 
   tl::unexpected<Error> failed() const {
-    return fail(concat("is no PNG file that can be read: ", printable(fault_)));
+    return fail(concat("is not a readable PNG file: ", printable(fault_)));
   }
 
   static void on_read(png_structp png, png_bytep to, std::size_t size) {

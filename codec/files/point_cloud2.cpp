@@ -86,7 +86,7 @@ struct Message {
 
 Result<Message> parse(ByteView bytes) {
   CdrReader cdr(bytes);
-  if (!cdr.ok()) return fail("is no message in CDR");
+  if (!cdr.ok()) return fail("is not a CDR message");
   Message message;
   cdr.get<std::int32_t>();  // when it was measured
   cdr.get<std::uint32_t>();

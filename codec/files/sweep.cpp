@@ -119,22 +119,21 @@ Result<PointCloud> read_sweep(const ByteSource& source, const Reading& reading, 
     const ByteView view = sample ? ByteView(*sample) : ByteView();
     columns = guess_sweep_columns({&size, 1}, {&view, 1});
     if (columns.empty()) {
-      return fail(
-          concat("is no sweep of a laser scanner: its ", size,
-                 " bytes are no points of 3 to 8 floats with coordinates of which most are within ",
-                 std::lround(kFurthest), "; --columns names the floats of a point"));
+      return fail(concat("is not a laser scan: its ", size,
+                         " bytes are not points of 3 to 8 floats, most of them within ",
+                         std::lround(kFurthest), "; --columns names the floats of a point"));
     }
   }
   const std::size_t size = columns.size() * sizeof(float);
   if (source.size() % size != 0) {
-    return fail(concat("has ", source.size(), " bytes, which is no number of points of ",
+    return fail(concat("has ", source.size(), " bytes, which is not a whole number of points of ",
                        columns.size(), " floats; --columns names those of a point"));
   }
   Bytes room;
   const ByteView begin = TRY(source.view(0, kLookedPoints * size, room));
   if (!look_measured(begin, columns.size())) {
-    return fail(concat("most of the first points are no places, read as ", columns.size(),
-                       " floats a point; --columns names them, if it is a sweep"));
+    return fail(concat("most of the first points have impossible coordinates, read as ",
+                       columns.size(), " floats a point; --columns names them, if it is a sweep"));
   }
   std::vector<NamedField> fields;
   for (std::size_t i = 0; i < columns.size(); ++i)

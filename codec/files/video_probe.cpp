@@ -63,10 +63,9 @@ Result<VideoProbe> probe_video(const std::filesystem::path& file) {
   if (!read) {
     const Error& why = read.error();
     if (why.code == ErrorCode::not_found) return fail(ErrorCode::not_found, kVideoNeedsFfmpeg);
-    return fail(why.code,
-                why.code == ErrorCode::invalid
-                    ? concat("is no video in Matroska that can be read: ", printable(why.message))
-                    : why.message);
+    return fail(why.code, why.code == ErrorCode::invalid
+                              ? concat("is not a readable Matroska video: ", printable(why.message))
+                              : why.message);
   }
   // Said of Matroska's elements, of which the outermost has the length of the file.
   probe.ends_early = read->find("File ended prematurely") != std::string::npos;

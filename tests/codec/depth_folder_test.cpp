@@ -165,8 +165,9 @@ TEST_F(DepthFolder, faults_of_a_folder_are_errors_that_say_where) {
   ASSERT_TRUE(sequence) << sequence.error().message;
   const auto loaded = read_cloud_frame(sequence->frames[0]);
   ASSERT_FALSE(loaded);
-  EXPECT_THAT(loaded.error().message,
-              StartsWith(folder_.path().string() + ": depth/0.png: depth: is no PNG file"));
+  EXPECT_THAT(
+      loaded.error().message,
+      StartsWith(folder_.path().string() + ": depth/0.png: depth: is not a readable PNG file"));
   fs::remove(folder_ / "depth/0.png");
   EXPECT_THAT(error(), HasSubstr("has no point cloud files"));
   EXPECT_FALSE(has_cloud_files(folder_.path()));

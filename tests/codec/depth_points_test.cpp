@@ -183,7 +183,7 @@ TEST(DepthFrame, errors_name_the_part) {
   };
   EXPECT_EQ(error_of(depth_frame(good, view(depth), {})), "it was read");
   EXPECT_THAT(error_of(depth_frame("{}", view(depth), {})), HasSubstr("intrinsics: has neither"));
-  EXPECT_THAT(error_of(depth_frame(good, view("abc"), {})), HasSubstr("depth: is no PNG"));
+  EXPECT_THAT(error_of(depth_frame(good, view("abc"), {})), HasSubstr("depth: is not a PNG"));
   EXPECT_THAT(error_of(depth_frame(good, view(depth), view("abc"))),
               HasSubstr("color: is neither a PNG nor a JPEG"));
   EXPECT_THAT(error_of(depth_frame(good, view(depth), {}), {.max_points = 1000}),

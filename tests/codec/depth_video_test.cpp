@@ -166,10 +166,10 @@ TEST_F(DepthVideo, colors_that_lose_a_little_are_those_of_the_same_picture) {
 
 TEST_F(DepthVideo, what_is_no_video_of_depth_is_an_error_that_says_why) {
   folder_.write("walk.mkv", "hello, world");
-  EXPECT_THAT(error(), AllOf(StartsWith(video().string() + ": is no video in Matroska"),
+  EXPECT_THAT(error(), AllOf(StartsWith(video().string() + ": is not a readable Matroska video"),
                              Not(HasSubstr("\n"))));
   folder_.write("walk.mkv", "");
-  EXPECT_THAT(error(), HasSubstr("is no video in Matroska"));
+  EXPECT_THAT(error(), HasSubstr("is not a readable Matroska video"));
   make({"-map", "1", "-c:v", "mjpeg", "-pix_fmt", "yuvj420p"});
   EXPECT_THAT(error(), HasSubstr("has no track of depth, which is grey of 16 bits (gray16le); it "
                                  "has mjpeg in yuvj420p"));
@@ -180,7 +180,7 @@ TEST_F(DepthVideo, what_is_no_video_of_depth_is_an_error_that_says_why) {
   // A playlist must not make ffmpeg read other files.
   folder_.write("walk.mkv",
                 fmt::format("ffconcat version 1.0\nfile '{}'\n", (folder_ / "other.mkv").string()));
-  EXPECT_THAT(error(), HasSubstr("is no video in Matroska"));
+  EXPECT_THAT(error(), HasSubstr("is not a readable Matroska video"));
   const auto loaded = read_cloud_file(video());
   ASSERT_FALSE(loaded);
 }

@@ -174,7 +174,7 @@ TEST(Gltf, extensions_that_matter_are_refused_where_they_are_needed_and_told_whe
   };
   EXPECT_THAT(error_of(with(R"("extensionsRequired":["EXT_mesh_gpu_instancing"])")),
               HasSubstr("needs the extension EXT_mesh_gpu_instancing"));
-  EXPECT_THAT(error_of(with(R"("extensionsRequired":[7])")), HasSubstr("no text"));
+  EXPECT_THAT(error_of(with(R"("extensionsRequired":[7])")), HasSubstr("not text"));
   std::vector<std::string> unread;
   const std::string harmless =
       R"("extensionsRequired":["KHR_mesh_quantization","KHR_materials_unlit"],)"
@@ -203,7 +203,7 @@ TEST(Gltf, each_lie_is_an_error_that_names_the_part) {
   EXPECT_THAT(error_of(changed(R"("buffer":0,"byteLength":24)", R"("buffer":3,"byteLength":24)")),
               HasSubstr("no buffers/3"));
   EXPECT_THAT(error_of(changed("5126", "5124")), HasSubstr("no component type 5124"));
-  EXPECT_THAT(error_of(changed("VEC3", "MAT3")), HasSubstr("no vector"));
+  EXPECT_THAT(error_of(changed("VEC3", "MAT3")), HasSubstr("not a vector"));
   EXPECT_THAT(error_of(changed(R"("NORMAL":1)", R"("NORMAL":7)")), HasSubstr("no accessors/7"));
   EXPECT_THAT(error_of(changed(R"("mesh":0)", R"("mesh":4)")), HasSubstr("no meshes/4"));
   EXPECT_THAT(error_of(changed(R"("children":[1])", R"("children":[0])")), HasSubstr("nodes/0"));
@@ -216,7 +216,7 @@ TEST(Gltf, each_lie_is_an_error_that_names_the_part) {
                                R"("extensionsRequired":["KHR_draco_mesh_compression"])")),
               HasSubstr("KHR_draco_mesh_compression"));
   EXPECT_THAT(error_of("glTF\x01"), HasSubstr("JSON"));
-  EXPECT_THAT(error_of("[]"), HasSubstr("no object"));
+  EXPECT_THAT(error_of("[]"), HasSubstr("not an object"));
   DecodeLimits few;
   few.max_memory = 64;
   EXPECT_THAT(read(glb(kJson), nullptr, few).error().message, HasSubstr("more than 1 vertices"));

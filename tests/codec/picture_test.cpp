@@ -109,7 +109,7 @@ TEST(Picture, depth_of_another_kind_is_refused_by_its_name) {
   EXPECT_THAT(error_of_depth(jpeg_of(depth_scene::color(depth_scene::camera(), 0))),
               HasSubstr("JPEG file, which loses depth"));
   EXPECT_THAT(error_of_depth("P5\n2 1\n255\nab"), HasSubstr("other than 16 bits"));
-  EXPECT_THAT(error_of_depth("GIF89a"), HasSubstr("no PNG file"));
+  EXPECT_THAT(error_of_depth("GIF89a"), HasSubstr("not a PNG file"));
 }
 
 TEST(Picture, colors_of_every_kind_of_png_are_read) {

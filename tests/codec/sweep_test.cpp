@@ -125,17 +125,18 @@ TEST(Sweep, given_columns_hold) {
 TEST(Sweep, a_size_that_does_not_fit_is_an_error) {
   Bytes bytes = bytes_of(kitti(10));
   bytes.pop_back();
-  EXPECT_THAT(read(bytes).error().message, HasSubstr("is no sweep"));
+  EXPECT_THAT(read(bytes).error().message, HasSubstr("is not a laser scan"));
   EXPECT_THAT(read(bytes, nuscenes_columns()).error().message,
-              HasSubstr("159 bytes, which is no number of points of 5 floats"));
+              HasSubstr("159 bytes, which is not a whole number of points of 5 floats"));
 }
 
 TEST(Sweep, other_files_are_refused) {
   const Bytes text(1600, 'a');
   const Bytes none = bytes_of(std::vector<float>(400, std::numeric_limits<float>::quiet_NaN()));
   for (const Bytes& bytes : {text, none}) {
-    EXPECT_THAT(read(bytes).error().message, HasSubstr("is no sweep"));
-    EXPECT_THAT(read(bytes, nuscenes_columns()).error().message, HasSubstr("are no places"));
+    EXPECT_THAT(read(bytes).error().message, HasSubstr("is not a laser scan"));
+    EXPECT_THAT(read(bytes, nuscenes_columns()).error().message,
+                HasSubstr("impossible coordinates"));
   }
 }
 

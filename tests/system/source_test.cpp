@@ -69,7 +69,7 @@ TEST(OpenSource, reports_a_file_that_is_not_a_cloud) {
   const TemporaryFolder folder;
   const std::string photo = folder.write("photo.jpg", "\xff\xd8").string();
   EXPECT_THAT(open_source(photo).error().message,
-              testing::AllOf(HasSubstr(photo), HasSubstr("no point cloud file that can be read")));
+              testing::AllOf(HasSubstr(photo), HasSubstr("not a known point cloud file")));
   const std::string cut = folder.write("cut.ply", "ply\nformat ascii 1.0\n").string();
   EXPECT_THAT(open_source(cut).error().message, HasSubstr(cut + ": "));
 }

@@ -39,7 +39,7 @@ class Handles {
     if (auto object = find(handle)) return object;
     return fail(
         ErrorCode::argument,
-        std::string(what) + (handle == nullptr ? " is NULL" : " is closed, or is no such handle"));
+        std::string(what) + (handle == nullptr ? " is NULL" : " is closed, or is not a handle"));
   }
 
   void close(const Handle* handle) noexcept {

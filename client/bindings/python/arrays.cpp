@@ -35,7 +35,7 @@ const Number* numbers_of(const py::array& array, std::size_t points, const char*
   if (array.ndim() != 2 || array.shape(1) != 3 ||
       static_cast<std::size_t>(array.shape(0)) != points ||
       (array.flags() & py::array::c_style) == 0)
-    raise({std::string(name) + " are no array of as many rows of three as there are points",
+    raise({std::string(name) + " are not an array of one row of three for each point",
            ErrorCode::argument});
   return py::isinstance<py::array_t<Number>>(array) ? static_cast<const Number*>(array.data())
                                                     : nullptr;
@@ -133,7 +133,7 @@ PointCloud cloud_of(const py::array& positions, const std::optional<py::array>& 
     const auto array = py::cast<py::array>(values);
     if (array.ndim() != 1 || static_cast<std::size_t>(array.shape(0)) != arrays.count ||
         !py::isinstance<py::array_t<float>>(array) || (array.flags() & py::array::c_style) == 0)
-      raise({"a scalar field is no array of a float32 for each point", ErrorCode::argument});
+      raise({"a scalar field is not an array of one float32 for each point", ErrorCode::argument});
     arrays.scalars.push_back(
         {py::cast<std::string>(name), static_cast<const float*>(array.data())});
   }

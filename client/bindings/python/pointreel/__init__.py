@@ -76,7 +76,7 @@ def _scalars(values: Optional[Mapping[str, Any]]) -> Dict[str, NDArray[np.float3
     for name, numbers in (values or {}).items():
         array = np.asarray(numbers)
         if array.ndim != 1 or array.dtype.kind not in "fiub":
-            raise ValueError(f"the scalar field {name} is no list of numbers, one for each point")
+            raise ValueError(f"the scalar field {name} is not a list of numbers, one for each point")
         fields[str(name)] = np.ascontiguousarray(array, np.float32)
     return fields
 

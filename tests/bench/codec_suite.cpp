@@ -11,6 +11,7 @@
 #include "tests/bench/grid_suite.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/suites.h"
+#include "tests/bench/video_rates.h"
 
 namespace pointreel::bench {
 namespace {
@@ -85,12 +86,11 @@ nlohmann::json run_codec(const SuiteOptions& options) {
   auto attributes = nlohmann::json::array();
   run_attributes(options, attributes, bars);
   auto rates = run_rates(options);
+  auto video = run_video(options);
   print(bars);
-  return {{"plain", std::move(plain)},
-          {"grids", std::move(grids)},
-          {"attributes", std::move(attributes)},
-          {"rates", std::move(rates)},
-          {"bars", to_json(bars)}};
+  return {{"plain", std::move(plain)},           {"grids", std::move(grids)},
+          {"attributes", std::move(attributes)}, {"rates", std::move(rates)},
+          {"video", std::move(video)},           {"bars", to_json(bars)}};
 }
 
 }  // namespace pointreel::bench

@@ -14,11 +14,14 @@
 namespace pointreel {
 namespace {
 
-/// The command line, with `play` where it begins with what is to be played.
+/// The command line, with `play` where it is left out.
 std::vector<const char*> with_command(int argc, char** argv) {
   std::vector<const char*> line(argv, argv + argc);
-  if (argc > 1 && *argv[1] != '-' && std::string_view(argv[1]) != "play")
-    line.insert(line.begin() + 1, "play");
+  if (argc < 2) return line;
+  const std::string_view first = argv[1];
+  const bool complete = first == "play" || first == "-h" || first == "--help" ||
+                        first == "--version" || first.starts_with("--write-manuals");
+  if (!complete) line.insert(line.begin() + 1, "play");
   return line;
 }
 

@@ -101,6 +101,9 @@ PlayCommand::PlayCommand(cli::Command app) {
   add_settings(command);
   add_window(command);
   add_output(command);
+  command.essentials({"--camera", "--target", "--zoom", "--mode", "--light", "--background", "--up",
+                      "--at", "--speed", "--loop", "--token", "--offscreen", "--screenshot",
+                      "--record"});
   command.footer("Keys and mouse in the window:\n" + bindings_help() +
                  "\nExit status: 0 if it played to the end or was ended by the user, 1 if it "
                  "failed,\n2 if the command line is wrong.");
@@ -108,12 +111,13 @@ PlayCommand::PlayCommand(cli::Command app) {
 
 void PlayCommand::add_sources(cli::Command command) {
   command
-      .add_option("SOURCE", sources_,
-                  "What to play: a package, as a folder or an http://, https:// or s3:// address; "
-                  "a folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, "
-                  "nuScenes, MCAP) or of depth cameras (depth/*.png or .mkv, with intrinsics in "
-                  "JSON), or one such file; or a live stream, as ws://.../live/NAME, wss:// "
-                  "or http(s)://.../live/NAME/reel.json. Several sources are shown in one scene")
+      .add_option(
+          "SOURCE", sources_,
+          "What to play: a package, as a folder or an http://, https:// or s3:// address; "
+          "a folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, numpy, KITTI, "
+          "nuScenes, MCAP) or of depth cameras (depth/*.png or .mkv, with intrinsics in "
+          "JSON), or one such file; or a live stream, as ws://.../live/NAME, wss:// "
+          "or http(s)://.../live/NAME/reel.json. Several sources are shown in one scene")
       .required()
       .type_name("");
   const std::string group = "Sources";

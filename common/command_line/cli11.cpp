@@ -31,6 +31,7 @@ bool is_argument(const CLI::Option& option) {
 OptionEntry entry_of(const CLI::Option& option) {
   OptionEntry entry;
   entry.positional = is_argument(option);
+  entry.has_place = option.get_positional();
   if (entry.positional) entry.names.push_back(option.get_single_name());
   for (const std::string& name : option.get_snames()) entry.names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) entry.names.push_back("--" + name);
@@ -50,9 +51,15 @@ OptionEntry entry_of(const CLI::Option& option) {
 /// right what option_words.h says about it.
 class HelpFormatter : public CLI::Formatter {
  public:
-  HelpFormatter() {
+  /// --help of `command` shows its essentials, and that of others all options.
+  explicit HelpFormatter(const CLI::App* command = nullptr) : command_(command) {
     column_width(kColumn);
     label("Positionals", "Arguments");
+  }
+
+  bool is_of(const CLI::App& app) const { return command_ == &app; }
+  void add_essentials(const std::vector<std::string>& names) {
+    essentials_.insert(essentials_.end(), names.begin(), names.end());
   }
 
   std::string make_group(std::string group, bool is_positional,
@@ -60,6 +67,24 @@ class HelpFormatter : public CLI::Formatter {
     const std::string text = CLI::Formatter::make_group(group, is_positional, std::move(options));
     // CLI11 puts two empty lines between groups, but one before the first.
     return is_positional || group == "Options" ? text : text.substr(1);
+  }
+
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override {
+    // Commands inherit the formatter of the command above them.
+    if (mode != CLI::AppFormatMode::Normal || !is_of(*app))
+      return CLI::Formatter::make_help(app, std::move(name), mode);
+    std::vector<const CLI::Option*> shown = {app->get_help_ptr(), app->get_help_all_ptr()};
+    for (const std::string& essential : essentials_) shown.push_back(app->get_option(essential));
+    return make_description(app) + make_usage(app, std::move(name)) + make_positionals(app) +
+           make_group("Options", false, std::move(shown)) + make_subcommands(app, mode) + "\n" +
+           make_footer(app);
+  }
+
+  /// For --help-all of a program, its commands with their options; for that of a command, a list.
+  std::string make_subcommands(const CLI::App* app, CLI::AppFormatMode mode) const override {
+    return CLI::Formatter::make_subcommands(
+        app, app->get_parent() == nullptr ? mode : CLI::AppFormatMode::Normal);
   }
 
   std::string make_positionals(const CLI::App* app) const override {
@@ -112,7 +137,16 @@ class HelpFormatter : public CLI::Formatter {
 
  private:
   static constexpr std::size_t kColumn = 26;
+
+  const CLI::App* command_;
+  std::vector<std::string> essentials_;
 };
+
+/// Null unless the command has essentials.
+HelpFormatter* own_formatter(const CLI::App& app) {
+  auto* formatter = dynamic_cast<HelpFormatter*>(app.get_formatter().get());
+  return formatter != nullptr && formatter->is_of(app) ? formatter : nullptr;
+}
 
 /// What follows the name of the program in the line "Usage:".
 std::string usage_of(const CLI::App& app) {
@@ -273,9 +307,17 @@ void Command::footer(const std::string& text) const { app_->footer(text); }
 void Command::help_all_flag(const std::string& names, const std::string& description) const {
   app_->set_help_all_flag(names, description);
 }
+void Command::essentials(const std::vector<std::string>& names) const {
+  if (own_formatter(*app_) == nullptr) {
+    app_->formatter(std::make_shared<HelpFormatter>(app_));
+    app_->set_help_all_flag("--help-all", "Print all options and exit");
+  }
+  own_formatter(*app_)->add_essentials(names);
+}
 
 std::string Command::name() const { return app_->get_name(); }
 std::string Command::help() const { return app_->help(); }
+std::string Command::help_all() const { return app_->help("", CLI::AppFormatMode::All); }
 std::vector<Option> Command::options() const {
   const std::vector<CLI::Option*> all = app_->get_options();
   return {all.begin(), all.end()};
@@ -299,7 +341,10 @@ Program::~Program() = default;
 void Program::add_common_options() {
   const auto formatter = std::make_shared<HelpFormatter>();
   const auto add = [&](const auto& self, CLI::App& to) -> void {
-    to.formatter(formatter);
+    if (own_formatter(to) == nullptr) {
+      to.formatter(formatter);
+      if (to.get_parent() != nullptr) to.set_help_all_flag();  // inherited, but --help shows all
+    }
     to.set_help_flag("-h,--help", "Print this help and exit");
     to.set_version_flag("--version", name() + " " POINTREEL_VERSION, "Print the version and exit");
     for (CLI::App* command : to.get_subcommands({})) self(self, *command);

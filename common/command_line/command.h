@@ -83,9 +83,12 @@ class Command {
   void callback(const std::function<void()>& run) const;
   void footer(const std::string& text) const;
   void help_all_flag(const std::string& names, const std::string& description) const;
+  /// Adds to the options that --help shows, in this order; --help-all then shows all.
+  void essentials(const std::vector<std::string>& names) const;
 
   std::string name() const;
   std::string help() const;
+  std::string help_all() const;
   std::vector<Option> options() const;
   std::vector<Command> subcommands() const;
 

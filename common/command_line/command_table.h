@@ -12,6 +12,7 @@ struct OptionEntry {
   /// without dashes.
   std::vector<std::string> names;
   bool positional = false;  ///< without dashes
+  bool has_place = false;   ///< it may be given without its name
   /// Its argument and its checks, in CLI11's words: "INT:INT in [0 - 21]"; see option_words.h.
   std::string type;
   int least_values = 0;  ///< 0: it may stand without its value, as in --json [FILE], or is a flag

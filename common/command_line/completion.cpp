@@ -16,11 +16,22 @@ Value value_of(const OptionEntry& option) {
     return {Value::Kind::words, std::move(words)};
   const std::string argument =
       option.positional && argument_of(option).empty() ? option.names.front() : argument_of(option);
-  if (argument.starts_with("FOLDER")) return {Value::Kind::folders, {}};
-  for (const char* file : {"FILE", "PATH", "REEL", "SOURCE"}) {
+  for (const char* folder : {"FOLDER", "REEL"}) {
+    if (argument.starts_with(folder)) return {Value::Kind::folders, {}};
+  }
+  for (const char* file : {"FILE", "PATH", "INPUT", "SOURCE"}) {
     if (argument.starts_with(file)) return {Value::Kind::files, {}};
   }
   return {Value::Kind::other, {}};
+}
+
+std::vector<OptionEntry> places_of(const CommandEntry& command) {
+  std::vector<OptionEntry> places;
+  for (const OptionEntry& option : command.options) {
+    if (option.has_place) places.push_back(option);
+  }
+  places.insert(places.end(), command.arguments.begin(), command.arguments.end());
+  return places;
 }
 
 std::string function_name(const CommandEntry& command) {

@@ -26,6 +26,10 @@ Value value_of(const OptionEntry& option);
 /// Whether the option may stand without its value, as in --json [FILE]; true for flags.
 inline bool value_is_optional(const OptionEntry& option) { return option.least_values == 0; }
 
+/// What stands for the words of a command that are not options, in their order: its arguments, and
+/// the options that may be given without their names.
+std::vector<OptionEntry> places_of(const CommandEntry& command);
+
 /// "_pointreel_server", and for a command "_pointreel_server_pack": a name of a function.
 std::string function_name(const CommandEntry& command);
 

@@ -74,14 +74,14 @@ constexpr const char* kWalk = R"(    *) return 1 ;;
 constexpr const char* kEnd = R"(    esac
     if [[ $cur == -* ]]; then offer=$options; fi
   fi
-  case $offer in
-    @files | @folders)
-      compopt -o filenames 2>/dev/null
-      mapfile -t COMPREPLY < <(
-        if [[ $offer == @files ]]; then compgen -f -- "$cur"; else compgen -d -- "$cur"; fi)
-      ;;
-    *) mapfile -t COMPREPLY < <(compgen -W "$offer" -- "$cur") ;;
-  esac
+  for word in $offer; do
+    case $word in
+      @files | @folders) compopt -o filenames 2>/dev/null ;;&
+      @files) mapfile -t -O ${{#COMPREPLY[@]}} COMPREPLY < <(compgen -f -- "$cur") ;;
+      @folders) mapfile -t -O ${{#COMPREPLY[@]}} COMPREPLY < <(compgen -d -- "$cur") ;;
+      "$cur"*) COMPREPLY+=("$word") ;;
+    esac
+  done
 }}
 
 complete -F {function} {program}
@@ -107,12 +107,16 @@ std::string bash_completion(const std::vector<CommandEntry>& commands) {
       subcommands += fmt::format("      {}) command=${{command:+$command }}$word ;;\n",
                                  pattern(command, below));
     }
-    std::string arguments = fmt::format("{}", fmt::join(below, " "));
-    for (const OptionEntry& argument : command.arguments) {
-      if (arguments.empty()) arguments = bash_offer(value_of(argument));
+    // The script does not count the words: it offers the same for each.
+    std::vector<std::string> offered = below;
+    for (const OptionEntry& place : places_of(command)) {
+      if (const std::string offer = bash_offer(value_of(place)); !offer.empty()) {
+        offered.push_back(offer);
+        break;
+      }
     }
-    offers += fmt::format("      '{}') offer='{}' options='{}' ;;\n", command.words(), arguments,
-                          fmt::join(options, " "));
+    offers += fmt::format("      '{}') offer='{}' options='{}' ;;\n", command.words(),
+                          fmt::join(offered, " "), fmt::join(options, " "));
   }
   return fmt::format(kBegin, fmt::arg("program", program), fmt::arg("function", function)) +
          values +

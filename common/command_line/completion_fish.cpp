@@ -84,8 +84,8 @@ std::string fish_completion(const std::vector<CommandEntry>& commands) {
       if (!value_is_optional(option))
         values += fmt::format("            case{}\n                set skip 1\n", skipped);
     }
-    for (const OptionEntry& argument : command.arguments) {
-      const Value value = value_of(argument);
+    for (const OptionEntry& place : places_of(command)) {
+      const Value value = value_of(place);
       if (value.kind == Value::Kind::files) completions += at + " -F\n";
       if (value.kind == Value::Kind::folders)
         completions += at + " -a '(__fish_complete_directories)'\n";

@@ -58,12 +58,13 @@ std::string specifications(const OptionEntry& option) {
 
 std::string arguments_of(const CommandEntry& command) {
   std::string all;
-  int place = 0;
-  for (const OptionEntry& argument : command.arguments) {
-    ++place;
-    const bool many = argument.most_values > 1;
-    all += fmt::format("    '{}:{}:{}' \\\n", many ? "*" : std::to_string(place),
-                       escaped(argument.names.front()), action(value_of(argument)));
+  int number = 0;
+  for (const OptionEntry& place : places_of(command)) {
+    ++number;
+    const bool many = place.most_values > 1;
+    all += fmt::format("    '{}:{}:{}' \\\n", many ? "*" : std::to_string(number),
+                       escaped(place.positional ? place.names.front() : argument_of(place)),
+                       action(value_of(place)));
   }
   return all;
 }
@@ -75,8 +76,8 @@ std::string function_of(const CommandEntry& command) {
     text += "  local curcontext=$curcontext state line\n  typeset -A opt_args\n";
   text += "  _arguments -C \\\n";
   for (const OptionEntry& option : command.options) text += specifications(option);
-  text += arguments_of(command);
   if (command.subcommands.empty()) {
+    text += arguments_of(command);
     text.erase(text.size() - 3);  // the last " \\\n"
     return text + "\n}\n";
   }
@@ -87,10 +88,14 @@ std::string function_of(const CommandEntry& command) {
     text += fmt::format("    {0}) {1}_{0} ;;\n", subcommand.name, name);
     described += fmt::format("\n    '{}:{}'", subcommand.name, escaped(subcommand.summary));
   }
+  // Where the command takes words of its own, too, all of them are of one kind: pack.
+  const std::vector<OptionEntry> places = places_of(command);
+  const std::string own = places.empty() ? "" : action(value_of(places.front()));
+  if (!own.empty()) text += fmt::format("    *) {} ;;\n", own);
   return text + fmt::format(
                     "  esac\n}}\n\n{}_commands() {{\n  local -a commands=({})\n"
-                    "  _describe command commands\n}}\n",
-                    name, described);
+                    "  _describe command commands\n{}}}\n",
+                    name, described, own.empty() ? "" : "  " + own + "\n");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pointreel/error.h"
@@ -15,5 +16,8 @@ struct ProgramOutcome {
 /// Runs a program of the PATH with these arguments, the name first, and waits for its end. Its
 /// standard input is empty. The error (`not_found`) says that the program is missing.
 Result<ProgramOutcome> run_program(const std::vector<std::string>& arguments);
+
+/// A text as one word for a shell: in quotes where it needs them.
+std::string shell_word(std::string_view text);
 
 }  // namespace pointreel

@@ -45,7 +45,7 @@ int run_cut(CutArguments arguments) {
       print_error(fault_of_frame_numbers(arguments.frames));
       return kExitUsage;
     }
-    options.frames = FrameRange{range->first, range->second};
+    options.frames = CutRange{range->first, range->second};
   } else if (!arguments.from && !arguments.until) {
     print_error("cut: give the part to keep, by --from and --until or by --frames");
     return kExitUsage;

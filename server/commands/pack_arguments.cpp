@@ -41,7 +41,7 @@ void PackArguments::add_to(cli::Command command) {
   input_ = command
                .add_option(
                    "-i,--input", options_.inputs,
-                   "folders and files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, "
+                   "folders and files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, numpy, "
                    "KITTI, nuScenes, MCAP), and of depth (a folder with depth/*.png, or .mkv, with "
                    "intrinsics in JSON); the files of a folder are taken in natural order, so "
                    "that frame2 comes before frame10")
@@ -117,6 +117,9 @@ void PackArguments::add_to(cli::Command command) {
       command.add_flag("--measure-parts", options_.measure_parts,
                        "also report how the bytes divide into geometry, colours and normals, "
                        "which takes two more encodes per frame"));
+  command.essentials({"--input", "--output", "--force", "--codec", "--quality", "--bitrate",
+                      "--clean", "--fps", "--up", "--scale", "--audio", "--best-effort",
+                      "--threads"});
 }
 
 Result<PackOptions> PackArguments::options() const {
@@ -163,7 +166,12 @@ Result<PackOptions> PackArguments::options_with_paths(bool needs_output) const {
     return fail(ErrorCode::argument,
                 options.output.string() + ": is not a folder; --to uploads to such an address");
   if (needs_output && options.output.empty())
-    return fail(ErrorCode::argument, "name the folder of the package: pack FOLDER REEL");
+    return fail(ErrorCode::argument,
+                options.inputs.size() < 2
+                    ? "name the folder of the package: pack FOLDER REEL"
+                    : fmt::format("--input takes all words that follow, {} too; name the folder of "
+                                  "the package with --output",
+                                  options.inputs.back().string()));
   return options;
 }
 

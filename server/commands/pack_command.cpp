@@ -306,6 +306,7 @@ void add_pack_command(cli::Command app, int& exit_code) {
           "upload the package to an object store, s3://BUCKET/REEL; with -o, keep a local copy, "
           "too. Files that are there already are not sent again")
       .type_name("ADDRESS");
+  command.essentials({"--to"});
   add_store_options(command, arguments->upload.http);
   command.callback([arguments, command, &exit_code] {
     if (command.parsed_subcommands().empty()) exit_code = run_pack(*arguments);

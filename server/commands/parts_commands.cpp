@@ -10,6 +10,7 @@
 #include "common/base/words.h"
 #include "common/process/print.h"
 #include "common/process/progress.h"
+#include "common/process/run_program.h"
 #include "common/process/stop_signal.h"
 #include "server/commands/commands.h"
 #include "server/commands/pack_arguments.h"
@@ -49,8 +50,9 @@ int run_plan(const PackArguments& arguments) {
   for (const std::string& guess : made->guesses) print("  read as         {}\n", guess);
   if (made->learnt && made->learnt->bytes > 0)
     print("  tables          learnt from {}\n", counted(made->learnt->samples, "frame"));
-  print("  next            pack part I/N -o {} for each I from 1 to N, then pack join -o {}\n",
-        options->output.string(), options->output.string());
+  const std::string output = shell_word(options->output.string());
+  print("  next            pack part I/N {} for each I from 1 to N, then pack join {}\n", output,
+        output);
   return kExitOk;
 }
 
@@ -112,9 +114,9 @@ int run_submit(const SlurmOptions& options, bool wait) {
 }
 
 cli::Option add_output(cli::Command command, std::filesystem::path& output) {
-  return command.add_option("-o,--output", output, "the same as that of pack plan")
+  return command.add_option("-o,--output,REEL", output, "the same as that of pack plan")
       .required()
-      .type_name("FOLDER");
+      .type_name("REEL");
 }
 
 void add_plan(cli::Command pack, int& exit_code) {

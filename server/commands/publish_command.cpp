@@ -156,7 +156,8 @@ void add_publish_command(cli::Command app, int& exit_code) {
   command
       .add_option(
           "-i,--input,FOLDER", a.input,
-          "a folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, nuScenes, "
+          "a folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, numpy, KITTI, "
+          "nuScenes, "
           "MCAP) or of depth cameras (depth/*.png or .mkv), or one such file, played at --fps or "
           "at its recorded times; or - for standard input: for each frame its size in four bytes, "
           "little endian, and then a PLY, Draco, PCD, LAS or glTF file")
@@ -188,6 +189,8 @@ void add_publish_command(cli::Command app, int& exit_code) {
   a.sequence.octree.entropy = Entropy::zstd;  // decodes in half the time of context, 25 % larger
   a.sequence.add_to(command, "stream", "default: 80 % of the frame interval", "before");
   command.add_flag("--json", a.json, "print the summary as JSON");
+  command.essentials({"--input", "--to", "--token", "--ca-file", "--fps", "--loop", "--follow",
+                      "--audio", "--codec", "--quality", "--clean", "--up"});
   command.callback([arguments, &exit_code] { exit_code = run_publish(*arguments); });
 }
 

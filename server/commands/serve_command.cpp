@@ -476,6 +476,9 @@ cli::Command define_serve(cli::Command app, const std::shared_ptr<ServeArguments
               "close a connection on which no request comes for this time");
   add_seconds("--stall-timeout", options.stall_timeout,
               "close a connection if the peer accepts no byte of a response for this time");
+  command.essentials({"--listen", "--live", "--record", "--relay-from", "--view-token",
+                      "--publish-token", "--allow-origin", "--embed-in", "--certificate", "--key",
+                      "--log"});
   return command;
 }
 

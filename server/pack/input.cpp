@@ -17,6 +17,15 @@ namespace {
 constexpr std::size_t kMostTried = 8;
 constexpr std::size_t kKeepBytes = std::size_t{512} << 20;
 
+/// The frame whose points reach farthest.
+std::size_t widest(const std::vector<FrameExtent>& frames) {
+  const auto reach = [](const FrameExtent& frame) {
+    const glm::dvec3 farthest = glm::max(glm::abs(frame.box.min), glm::abs(frame.box.max));
+    return frame.box.empty() ? 0.0 : std::max({farthest.x, farthest.y, farthest.z});
+  };
+  return std::ranges::max_element(frames, {}, reach) - frames.begin();
+}
+
 }  // namespace
 
 Result<SourceFrame> SegmentInput::read(std::size_t frame) const {
@@ -87,7 +96,7 @@ Result<void> SegmentInput::find_shared_grid(const std::stop_token& stop) {
   if (unread) return tl::unexpected(*unread);
   if (!grid && !strays_.empty())
     return fail(ErrorCode::limit, fmt::format("{} ({})", strays_, grid.error().message));
-  if (!grid) return fail_at(name(0), grid.error());
+  if (!grid) return fail_at(name(widest(extents)), grid.error());
   shared_ = *grid;
   return {};
 }

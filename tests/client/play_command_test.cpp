@@ -194,7 +194,7 @@ TEST_F(PlayCommandTest, offscreen_reads_only_a_file_that_is_named_and_keeps_its_
 
 TEST_F(PlayCommandTest, help_shows_every_option_of_the_table_with_its_default_in_80_columns) {
   ASSERT_TRUE(parse({}));
-  const std::string help = app_->subcommands().front().help();
+  const std::string help = app_->subcommands().front().help_all();
   for (const Option& option : option_table()) {
     if (option.help.empty()) continue;
     EXPECT_THAT(help, HasSubstr(command_line_name(option.name)));

@@ -402,7 +402,7 @@ TEST(ServerHelp, breaks_the_lines_of_descriptions_only_where_the_next_word_does_
   add_serve_command(app, code, {}, {});
   app.add_common_options();
   for (const cli::Command command : app.subcommands()) {
-    std::istringstream lines(command.help());
+    std::istringstream lines(command.help_all());
     std::string last;
     for (std::string line; std::getline(lines, line) && !line.starts_with("Usage:"); last = line) {
       EXPECT_LE(line.size(), 80u) << line;

@@ -4,6 +4,8 @@
 export class VideoError extends Error {}
 /** None can: the browser does not give what is needed. */
 export class NoVideo extends VideoError {}
+/** A decoder has ended; a new one may decode it. */
+export class DecoderEnded extends VideoError {}
 
 /** Of pictures in 4:2:0. */
 export const DEPTH_BITS = 10, COLOR_BITS = 8;
@@ -28,8 +30,9 @@ export async function whyNoVideo(): Promise<string | null> {
   return null;
 }
 
-/** A decoder that has given nothing for so long, twice, has nothing to give. */
-const SILENCE_MS = 600;
+/** A decoder that has given nothing for so long, twice, is asked whether it has anything to give. Longer, if it had. */
+let silenceMs = 600;
+const LONGEST_SILENCE_MS = 10_000;
 
 interface Waiting {
   timestamp: number;
@@ -42,6 +45,7 @@ export class Av1Decoder {
   private readonly decoder: VideoDecoder;
   private waiting: Waiting[] = [];
   private timer = 0;
+  private hasEnded = false;
 
   constructor(private readonly bits: Bits, private readonly width: number, private readonly height: number) {
     this.decoder = new VideoDecoder({
@@ -53,6 +57,7 @@ export class Av1Decoder {
 
   /** The first chunk is a key. The picture is the caller's to close. */
   decode(number: number, data: Uint8Array): Promise<VideoFrameLike> {
+    if (this.hasEnded) return Promise.reject(new DecoderEnded("the decoder has ended"));
     return new Promise((resolve, reject) => {
       this.waiting.push({ timestamp: number, resolve, reject });
       this.watch();
@@ -89,11 +94,20 @@ export class Av1Decoder {
     else frame.close();
     this.watch();
   }
-  /** A chunk without a picture is no error for the decoder. Pictures may wait while their worker computes. */
+  /** A chunk without a picture is not an error for the decoder, and a busy machine is slow. */
   private watch(rounds = 2): void {
     clearTimeout(this.timer);
-    if (this.waiting.length === 0) return;
-    this.timer = setTimeout(() => (rounds > 1 ? this.watch(rounds - 1) : this.fail("a picture of the video is missing")), SILENCE_MS);
+    if (this.waiting.length === 0 || this.hasEnded) return;
+    this.timer = setTimeout(() => (rounds > 1 ? this.watch(rounds - 1) : this.end()), silenceMs);
+  }
+  /** Has it give all pictures that there are, and ends it. */
+  private end(): void {
+    this.hasEnded = true;
+    const asked = this.waiting.length;
+    this.decoder.flush().then(() => {
+      if (this.waiting.length < asked) silenceMs = Math.min(2 * silenceMs, LONGEST_SILENCE_MS);
+      this.fail("a picture of the video is missing");
+    }, () => this.fail("the video is damaged"));
   }
   private fail(why: string): void {
     clearTimeout(this.timer);

@@ -1,7 +1,7 @@
 // Groups of video that a worker is decoding.
 import { Prepare } from "./messages";
 import { Module, ModuleError } from "./module";
-import { Av1Decoder, COLOR_BITS, DEPTH_BITS, VideoError } from "./video_decoder";
+import { Av1Decoder, COLOR_BITS, DecoderEnded, DEPTH_BITS, VideoError } from "./video_decoder";
 
 /** Playback passes from one group to the next. */
 const KEPT_GROUPS = 2;
@@ -91,6 +91,15 @@ export class VideoGroups {
 
   /** Makes a frame of video as pr_prepare makes others. */
   async prepare(job: Prepare, tables: number): Promise<void> {
+    try {
+      await this.decode(job, tables);
+    } catch (error) {
+      if (!(error instanceof DecoderEnded)) throw error;
+      await this.decode(job, tables);
+    }
+  }
+
+  private async decode(job: Prepare, tables: number): Promise<void> {
     const { group, index } = job.video!, decoding = this.decodingOf(group, index), { module } = this;
     let pictures: Pictures | null = null, planes = 0;
     try {

@@ -26,6 +26,8 @@ declare class VideoDecoder {
   readonly state: "unconfigured" | "configured" | "closed";
   configure(config: VideoConfig): void;
   decode(chunk: EncodedVideoChunk): void;
+  /** Resolves once all pictures were given. The next chunk must be a key. */
+  flush(): Promise<void>;
   close(): void;
 }
 interface AudioData {

@@ -2,6 +2,7 @@
 // video cannot be decoded or is damaged, the octree below it is shown, with a line that says why.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
+import { cpSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { openBrowser, settled, until } from "./browser.mjs";
@@ -51,6 +52,27 @@ test("it plays backward", async () => {
   }, "the reel plays into the group before");
   assert.equal(await ask(tab, "player.player.trouble"), null);
   await close();
+});
+
+test("a decoder that takes seconds for each picture, as on a busy machine, is waited for", async () => {
+  const slow = join(folder, "slow");
+  cpSync(page, slow, { recursive: true });
+  const [hash] = readdirSync(join(slow, "page")), worker = join(slow, "page", hash, "worker.js");
+  writeFileSync(worker, `const SLOW_MS = 3000, Fast = self.VideoDecoder;
+    self.VideoDecoder = class extends Fast {
+      constructor(init) { super({ ...init, output: (frame) => setTimeout(() => init.output(frame), SLOW_MS) }); }
+      flush() { return super.flush().then(() => new Promise((resolve) => setTimeout(resolve, SLOW_MS + 100))); }
+    };\n` + readFileSync(worker, "utf8"));
+  const other = await serve(slow, [reel]);
+  const { tab, close } = await openTab(browser, `http://127.0.0.1:${other.port}/video#t=0`);
+  for (const frame of [0, 1, 18]) {
+    await ask(tab, `player.currentTime = player.player.reel.reel.timesUs[${frame}] / 1e6`);
+    await until(tab, new Function(`const { frame, player } = document.querySelector("pointreel-player");
+                                   return frame === ${frame} && player.reel.shown?.layers === 2;`), `frame ${frame}`, 60_000);
+    assert.equal(await ask(tab, "player.player.trouble"), null);
+  }
+  await close();
+  other.server.close();
 });
 
 test("a damaged frame of video shows its octree, and says so", async () => {

@@ -18,6 +18,7 @@ int run(int argc, char** argv) {
   add_inspect_commands(app, exit_code);
   add_upload_command(app, exit_code);
   add_serve_command(app, exit_code, {argv + 1, argv + argc}, built_in_page());
+  add_page_command(app, exit_code, built_in_page());
   add_publish_command(app, exit_code);
   const char* footer =
       "Exit codes: 0 success; 1 failure, or the package has faults;\n"

@@ -27,6 +27,7 @@ void add_publish_command(cli::Command app, int& exit_code);
 /// that browsers get; its memory must stay valid.
 void add_serve_command(cli::Command app, int& exit_code, std::vector<std::string> command_line,
                        std::span<const PageFile> page);
+void add_page_command(cli::Command app, int& exit_code, std::span<const PageFile> page);
 
 /// Prints `pointreel-server: message` to standard error, as one line.
 inline void print_error(const std::string& message) { print_error("pointreel-server", message); }

@@ -1,5 +1,5 @@
 // The part of an address behind "#": time, view, mode, colours and light of what is shown.
-import { Camera } from "./camera";
+import { Camera, directionOf } from "./camera";
 import { colorText, rangeText } from "./colors";
 import { Mode, MODES } from "./module";
 import { DEFAULTS, Settings } from "./player";
@@ -13,6 +13,8 @@ export interface Shown {
   /** Those of DRAWING that the address has. */
   drawing: Map<string, string>;
   view?: (camera: Camera) => void;
+  /** A direction to look from, as the element's attribute `view` has it. */
+  direction?: string;
 }
 
 const VIEW_NUMBERS = 7;  // target, distance, yaw, pitch, up
@@ -23,7 +25,9 @@ export function readFragment(hash: string): Shown {
   const t = Number(fields.get("t") ?? NaN), mode = fields.get("mode");
   if (t >= 0 && t < 1e9) shown.seconds = t;
   if (mode && (MODES as readonly string[]).includes(mode)) shown.mode = mode as Mode;
-  const view = fields.get("view")?.split(",").map(Number) ?? [];
+  // The window's option is called --camera.
+  const named = fields.get("view") ?? fields.get("camera") ?? "", view = named.split(",").map(Number);
+  if (directionOf(named)) shown.direction = named;
   const isView = view.length === VIEW_NUMBERS && view.every(Number.isFinite) && view[3]! > 0 &&
     [1, 2, 3].includes(Math.abs(view[6]!));
   if (isView) {

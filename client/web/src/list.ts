@@ -38,12 +38,22 @@ function search(cards: HTMLElement, none: HTMLElement): HTMLElement {
   return field;
 }
 
-export async function showList(root: HTMLElement, base: URL, token: string | null): Promise<void> {
+interface Listed { packages?: Reel[]; streams?: Stream[] }
+
+/** What the server lists; or, if it serves files and nothing else, the file that `pointreel-server page` has written. */
+async function fetchList(base: URL, token: string | null): Promise<{ list: Listed; fromFile: boolean }> {
   const headers = new Headers({ Accept: "application/json" });
   if (token) headers.set("Authorization", `Bearer ${token}`);
   const response = await fetch(base, { headers, cache: "no-cache" });
-  if (!response.ok) throw new Error(refusal(response));
-  const { packages = [], streams = [] } = await response.json() as { packages?: Reel[]; streams?: Stream[] };
+  const isList = (r: Response) => r.ok && (r.headers.get("Content-Type") ?? "").startsWith("application/json");
+  if (isList(response)) return { list: await response.json(), fromFile: false };
+  const file = await fetch(new URL("reels.json", base), { headers, cache: "no-cache" });
+  if (isList(file)) return { list: await file.json(), fromFile: true };
+  throw new Error(response.ok ? "there is no reels.json; pointreel-server page writes it" : refusal(response));
+}
+
+export async function showList(root: HTMLElement, base: URL, token: string | null): Promise<void> {
+  const { list: { packages = [], streams = [] }, fromFile } = await fetchList(base, token);
   const hash = token ? `#token=${encodeURIComponent(token)}` : "";
   const cards = element("ul", { class: "cards" }), posters = new Posters(token);
   const add = (link: URL, name: string, facts: string, live: boolean): HTMLElement => {
@@ -60,7 +70,9 @@ export async function showList(root: HTMLElement, base: URL, token: string | nul
     if (publishing) posters.add(picture, stream.href);
   }
   for (const { name, url, manifest, duration_us, frames, bytes, changed_us, captured_us = changed_us } of packages) {
-    const picture = add(within(base, url.replace(/\/(reel\.json)?$/, "")), name,
+    const link = within(base, url.replace(/\/(reel\.json)?$/, ""));
+    const played = new URL(`index.html?reel=${encodeURIComponent(`${link.pathname.slice(base.pathname.length)}/reel.json`)}`, base);
+    const picture = add(fromFile ? played : link, name,
                         `${timeText(duration_us)}, ${frames} ${frames === 1 ? "frame" : "frames"}, ${bytesText(bytes)}` +
                           (captured_us === undefined ? "" : `, ${dayText(captured_us)}`), false);
     posters.add(picture, within(base, manifest).href);

@@ -41,12 +41,24 @@ function sources(): string | null {
 /** Draws as the address says, and returns what else it says. */
 function draw(player: PointreelPlayer): Shown {
   const shown = readFragment(location.hash);
-  for (const [name, value] of [["mode", shown.mode], ...DRAWING.map((each) => [each, shown.drawing.get(each)])] as const) {
+  for (const [name, value] of [["mode", shown.mode], ["view", shown.direction], ...DRAWING.map((each) => [each, shown.drawing.get(each)])] as const) {
     if (value !== undefined) player.setAttribute(name!, value);
     else player.removeAttribute(name!);
   }
   player.applySettings();  // the panel may have changed what no attribute says
   return shown;
+}
+
+/** A link to the list, which is seen while the pointer moves, or once a key has led to it. */
+function addWayBack(): void {
+  const link = element("a", { class: "way-back", href: base.href + (token ? `#token=${encodeURIComponent(token)}` : "") }, "All reels");
+  root.append(link);
+  let timer = 0;
+  addEventListener("pointermove", () => {
+    link.classList.add("shown");
+    clearTimeout(timer);
+    timer = window.setTimeout(() => link.classList.remove("shown"), 3000);
+  });
 }
 
 function show(src: string): void {
@@ -62,6 +74,7 @@ function show(src: string): void {
   if (places) player.setAttribute("places", places.replace(/;/g, " "));
   player.src = src;
   root.replaceChildren(player);
+  if (window.parent === window) addWayBack();
   const note = () => {
     const live = player.player.isLive;
     // The token stays out of links that are shared.

@@ -12,6 +12,7 @@ const reels = Array.from({ length: REELS }, (_, i) => join(folder, `reel${i}`));
 for (const reel of reels) symlinkSync(join(folder, "reel"), reel);
 const requests = [];
 const { server, port } = await serve(join(build, "web"), reels, requests);
+const files = await serve(join(build, "web"), reels.slice(0, 2), [], { plain: true });
 const browser = await openBrowser();
 
 test("reels on the screen get their pictures one by one, and the others when one scrolls to them", async () => {
@@ -41,7 +42,24 @@ test("reels on the screen get their pictures one by one, and the others when one
   await close();
 });
 
+test("where a server serves files and nothing else, the list is reels.json, and there is a way back to it", async () => {
+  const { tab, close } = await openTab(browser, `http://127.0.0.1:${files.port}/`);
+  await until(tab, () => document.querySelectorAll(".cards a").length === 2, "two reels");
+  assert.equal(await tab.evaluate(`document.querySelector(".cards a").getAttribute("href").replace(/^.*\\/index/, "index")`),
+               "index.html?reel=reel0%2Freel.json");
+  await tab.evaluate(() => document.querySelector(".cards a").click());
+  await until(tab, () => document.querySelector("pointreel-player")?.player.pictures > 0, "a picture", 60_000);
+  const back = () => tab.evaluate(`getComputedStyle(document.querySelector(".way-back")).opacity`);
+  assert.equal(await back(), "0");
+  await tab.evaluate(() => window.dispatchEvent(new PointerEvent("pointermove")));
+  await until(tab, () => getComputedStyle(document.querySelector(".way-back")).opacity === "1", "the link");
+  await tab.evaluate(() => document.querySelector(".way-back").click());
+  await until(tab, () => document.querySelectorAll(".cards a").length === 2, "the list again");
+  await close();
+});
+
 test.after(async () => {
   await browser.close();
   server.close();
+  files.server.close();
 });

@@ -1,10 +1,11 @@
 // node nginx.mjs BUILD FOLDER: nginx alone serves the page and a reel, configured by server/nginx/page.conf.
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { accessSync, cpSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
 import { join } from "node:path";
 import { test } from "node:test";
-import { openBrowser, settled } from "./browser.mjs";
+import { openBrowser, settled, until } from "./browser.mjs";
 import { start } from "./programs.mjs";
 import { ask, openTab } from "./tab.mjs";
 
@@ -26,8 +27,8 @@ const freePort = () => new Promise((resolve) => {
 });
 const port = await freePort();
 const site = join(folder, "site"), own = join(folder, "nginx");
-cpSync(join(build, "web"), site, { recursive: true });
 cpSync(join(folder, "reel"), join(site, "reel"), { recursive: true });
+execFileSync(join(build, "bin/pointreel-server"), ["page", site]);
 mkdirSync(own);
 const source = new URL("../../../server/nginx/page.conf", import.meta.url);
 const http = [["listen 80;", `listen 127.0.0.1:${port};`], ["/srv/pointreel", site]].reduce((text, [from, to]) => {
@@ -59,6 +60,17 @@ test("the page and a reel come from nginx alone", async () => {
   assert.equal(await ask(tab, "player.frame"), 70);
   if (process.env.KEEP) await tab.screenshot({ path: join(process.env.KEEP, "nginx.png") });
   await close();
+});
+
+test("the address of the folder lists the packages, and that of a package plays it", async () => {
+  const { tab, close } = await openTab(browser, `${url}/`);
+  await until(tab, () => document.querySelectorAll(".cards a").length === 1, "the list");
+  await tab.evaluate(() => document.querySelector(".cards a").click());
+  await until(tab, () => document.querySelector("pointreel-player")?.player.pictures > 0, "a picture", 60_000);
+  await close();
+  const other = await openTab(browser, `${url}/reel`);
+  await until(other.tab, () => document.querySelector("pointreel-player")?.player.pictures > 0, "a picture", 60_000);
+  await other.close();
 });
 
 test("modules are compiled as they come, files with a hash are kept, and the policy is strict", async () => {

@@ -17,8 +17,9 @@ const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker
  * `damage`: changes what is sent of a reel's files; its arguments are the path and the bytes. Null: the file is missing.
  * `ranges`: false sends whole files, whatever is asked for.
  * `silent`: whether a request for this path is never answered.
+ * `plain`: serves files and nothing else: "/" is the page for everybody, and the list is reels.json.
  */
-export function serve(page, reels, requests = [], { damage = null, ranges = true, silent = () => false } = {}) {
+export function serve(page, reels, requests = [], { damage = null, ranges = true, silent = () => false, plain = false } = {}) {
   const folders = new Map(reels.map((reel) => [basename(reel), reel]));
   const list = () => JSON.stringify({
     packages: [...folders].map(([name, folder]) => {
@@ -36,8 +37,8 @@ export function serve(page, reels, requests = [], { damage = null, ranges = true
     if (silent(path)) return;
     const [, first, ...rest] = path.split("/");
     const asksPage = (request.headers.accept ?? "").includes("text/html");
-    const isShown = path === "/" || (folders.has(first) && rest.join("") === "");
-    if (path === "/" && !asksPage) {
+    const isShown = path === "/" || path === "/index.html" || (!plain && folders.has(first) && rest.join("") === "");
+    if (plain ? path === "/reels.json" : path === "/" && !asksPage) {
       response.writeHead(200, { "Content-Type": TYPES[".json"], Vary: "Accept" }).end(list());
       return;
     }

@@ -55,7 +55,24 @@ void LiveRecorder::write_sound() {
 
 void LiveRecorder::end() {
   if (auto segment = segmenter_.flush()) append(std::move(*segment));
-  // The package is complete, unless the publisher comes back.
+  if (!waiting_.empty()) {
+    std::uint64_t frames = 0;
+    for (const LiveSegment& segment : waiting_) frames += segment.entry.frame_count();
+    say(fmt::format("recording {}: the last {} frames wait until they can be written",
+                    options_.name, frames));
+  }
+  pause();
+}
+
+bool LiveRecorder::settle() {
+  if (waiting_.empty()) return true;
+  write_waiting();
+  if (!waiting_.empty()) return false;
+  pause();
+  return true;
+}
+
+void LiveRecorder::pause() {
   if (!package_) return;
   write_sound();
   if (const auto completed = package_->complete(hello_); !completed) {

@@ -41,6 +41,7 @@ class LiveRecorder : public LiveSink {
   void layer(const LiveLayer& layer, const LiveMessage& message) override;
   void sound(const LiveSound& sound, const LiveMessage& message) override;
   void end() override;
+  bool settle() override;
 
  private:
   void append(LiveSegment segment);
@@ -48,6 +49,8 @@ class LiveRecorder : public LiveSink {
   void write_sound();
   Result<void> record(LiveSegment& segment);
   Result<void> open(const LiveSegment& first);
+  /// Completes the package for now: the publisher may come back.
+  void pause();
   /// Completes the package, so that the next segment begins another one.
   void complete();
   /// Completes the package, and gives up what could not be written.

@@ -37,6 +37,8 @@ class LiveSink {
   virtual void sound(const LiveSound& /*sound*/, const LiveMessage& /*message*/) {}
   /// The publisher has gone.
   virtual void end() = 0;
+  /// Called every second after `end`, until it says that there is nothing left to do.
+  virtual bool settle() { return true; }
 };
 
 /// A number that hardly any other server has.

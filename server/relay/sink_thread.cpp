@@ -1,6 +1,7 @@
 #include "server/relay/sink_thread.h"
 
 #include <bit>
+#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
@@ -70,9 +71,19 @@ void SinkThread::put(Event event) {
 }
 
 void SinkThread::run() {
+  constexpr std::chrono::seconds kPause{1};
   std::unique_lock lock(mutex_);
+  bool settled = true;
   for (;;) {
-    changed_.wait(lock, [&] { return over_ || !events_.empty(); });
+    const auto is_wanted = [&] { return over_ || !events_.empty(); };
+    if (settled) {
+      changed_.wait(lock, is_wanted);
+    } else if (!changed_.wait_for(lock, kPause, is_wanted)) {
+      lock.unlock();
+      settled = sink_->settle();
+      lock.lock();
+      continue;
+    }
     if (events_.empty()) return;
     const Event event = std::move(events_.front());
     events_.pop_front();
@@ -86,6 +97,7 @@ void SinkThread::run() {
     } else {
       sink_->end();
     }
+    settled = !std::holds_alternative<LiveEnd>(event);
     lock.lock();
     if (const auto* layer = std::get_if<Layer>(&event)) bytes_ -= memory_of(layer->layer);
     if (const auto* sound = std::get_if<Sound>(&event)) bytes_ -= memory_of(sound->sound);

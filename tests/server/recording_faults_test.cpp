@@ -137,6 +137,27 @@ TEST_F(RecordingFaultsTest, nothing_is_lost_if_there_is_soon_room_again) {
   }
 }
 
+TEST_F(RecordingFaultsTest,
+       what_waits_when_the_publisher_goes_is_written_when_there_is_room_again) {
+  LiveRecorder recorder(options());
+  recorder.hello(real_hello());
+  give_frames(recorder, 0, 15);
+  {
+    const FullDisk full(100);
+    give_frames(recorder, 15, 20);
+    recorder.end();
+    EXPECT_FALSE(recorder.settle());
+  }
+  EXPECT_TRUE(recorder.settle());
+  std::uint32_t frames = 0;
+  EXPECT_THAT(faults(package(options().name), frames), IsEmpty());
+  EXPECT_EQ(frames, 35u);
+  EXPECT_TRUE(recorder.settle());
+  EXPECT_THAT(said_, ElementsAre(HasSubstr("has stopped"), HasSubstr("frames wait until"),
+                                 HasSubstr("reel.json: cannot be written"),
+                                 HasSubstr("continues; 0 frames are lost")));
+}
+
 TEST_F(RecordingFaultsTest, what_could_not_be_written_until_the_end_is_counted) {
   {
     LiveRecorder recorder(options());

@@ -1,4 +1,3 @@
-#include <fstream>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -17,22 +16,6 @@ namespace pointreel {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Reads a file that is as long as a manifest at most.
-Result<std::string> read_text(const fs::path& path) {
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error) return fail(ErrorCode::io, fmt::format("{}: {}", path.string(), error.message()));
-  if (size > kMaxManifestBytes) {
-    return fail(ErrorCode::limit,
-                fmt::format("{}: is longer than {} bytes", path.string(), kMaxManifestBytes));
-  }
-  std::ifstream in = TRY(at_place(path.string(), open_stream(path)));
-  std::string text(size, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!in) return fail(ErrorCode::io, fmt::format("{}: cannot be read", path.string()));
-  return text;
-}
 
 /// The members of a manifest, none of them checked, as views of texts that outlive them.
 struct Members {
@@ -94,7 +77,7 @@ Result<std::string> with_journal(const fs::path& folder, std::string text) {
   std::uint64_t frames = 0;
   for (const std::string_view segment : manifest->segments) frames += count_frames(segment);
   bool more = false;
-  const std::string journal = TRY(read_text(path));
+  const std::string journal = TRY(at_place(path.string(), read_text(path, kMaxManifestBytes)));
   std::size_t begin = 0, number = 1;
   // What comes after the last line feed was cut off while it was written.
   for (std::size_t end = 0; (end = journal.find('\n', begin)) != std::string::npos; ++number) {
@@ -127,7 +110,7 @@ Result<Manifest> read_manifest(const fs::path& folder) {
     return fail(ErrorCode::not_found,
                 fmt::format("{}: is not a package: it has no {}", folder.string(), kManifestName));
   }
-  std::string text = TRY(read_text(path));
+  std::string text = TRY(at_place(path.string(), read_text(path, kMaxManifestBytes)));
   text = TRY(with_journal(folder, std::move(text)));
   return at_place(path.string(), parse_manifest(text));
 }

@@ -41,6 +41,25 @@ OpenFile::~OpenFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
+Result<std::string> read_text(const std::filesystem::path& path, std::uint64_t most) {
+  const OpenFile file = TRY(OpenFile::open(path));
+  if (file.size() > most) {
+    return fail(ErrorCode::limit, "has " + std::to_string(file.size()) + " bytes; at most " +
+                                      std::to_string(most) + " are allowed");
+  }
+  std::string text(file.size(), '\0');
+  std::size_t size = 0;
+  while (size < text.size()) {
+    const ssize_t got = ::read(file.descriptor(), text.data() + size, text.size() - size);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return fail(ErrorCode::io, std::string("cannot be read: ") + std::strerror(errno));
+    if (got == 0) break;
+    size += static_cast<std::size_t>(got);
+  }
+  text.resize(size);
+  return text;
+}
+
 Result<std::ifstream> open_stream(const std::filesystem::path& path) {
   TRY(OpenFile::open(path));
   std::ifstream stream(path, std::ios::binary);

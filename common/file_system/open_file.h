@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <string>
 #include <utility>
 
 #include "pointreel/error.h"
@@ -34,6 +35,10 @@ class OpenFile {
   int descriptor_;
   std::uint64_t size_;
 };
+
+/// The text of such a file, of at most `most` bytes. If it is replaced meanwhile, that of one of
+/// both. Errors do not contain the path: as OpenFile::open, and `limit`.
+Result<std::string> read_text(const std::filesystem::path& path, std::uint64_t most);
 
 /// Such a file as a stream.
 Result<std::ifstream> open_stream(const std::filesystem::path& path);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <fstream>
 #include <map>
 #include <mutex>
 #include <set>
@@ -21,6 +20,7 @@
 #include "common/base/running_checksum.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
+#include "common/file_system/open_file.h"
 #include "pointreel/package.h"
 #include "server/service/entity_tag.h"
 #include "server/service/request_target.h"
@@ -113,21 +113,6 @@ Result<fs::path> file_inside(const fs::path& folder, const std::string& name) {
   if (!fs::is_regular_file(file, error))
     return fail(fmt::format("{}: is not a regular file", name));
   return file;
-}
-
-Result<std::string> read_manifest_text(const fs::path& file) {
-  std::error_code error;
-  const std::uint64_t size = fs::file_size(file, error);
-  if (error) return fail(ErrorCode::io, error.message());
-  if (size > kMaxManifestBytes) {
-    return fail(ErrorCode::limit,
-                fmt::format("has {} bytes; at most {} are allowed", size, kMaxManifestBytes));
-  }
-  std::string text(size, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(text.data(), static_cast<std::streamsize>(size));
-  if (!in) return fail(ErrorCode::io, "cannot be read; check its permissions");
-  return text;
 }
 
 Result<Resource> file_resource(const fs::path& folder, const PackageFile& listed,
@@ -251,7 +236,7 @@ Result<std::shared_ptr<const Package>> read_package(const PackageFolder& from,
   const auto manifest_file = file_inside(folder, kManifestName);
   if (!manifest_file) return fail_at(given, manifest_file.error());
   const std::string manifest_place = (from.folder / kManifestName).string();
-  auto text = read_manifest_text(*manifest_file);
+  auto text = read_text(*manifest_file, kMaxManifestBytes);
   if (!text) return fail_at(manifest_place, text.error());
   text = with_journal(folder, *std::move(text));
   if (!text) return tl::unexpected(text.error());

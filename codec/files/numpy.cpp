@@ -69,13 +69,12 @@ class NumpyArrays {
     if (entries > kMostArrays) return fail(concat("has ", entries, " arrays, which are too many"));
     for (std::uint64_t i = 0; i < entries; ++i) {
       const char* name = zip_get_name(zip, i, ZIP_FL_ENC_RAW);
-      std::string word = name == nullptr ? "" : name;
-      if (word.ends_with(".npy")) word.erase(word.size() - 4);
-      arrays.names_.push_back(std::move(word));
+      arrays.names_.emplace_back(name == nullptr ? "" : name);
     }
     return arrays;
   }
 
+  bool is_archive() const { return zip_ != nullptr; }
   std::size_t size() const { return names_.size(); }
   const std::string& name(std::size_t i) const { return names_[i]; }
 
@@ -160,8 +159,9 @@ struct NumpyContents {
   std::size_t positions = 0;                  ///< of the tables, the one that has them
 };
 
-/// The table with the positions, or `tables.size()`.
-std::size_t find_positions(const std::vector<NumpyTable>& tables) {
+/// The table with the positions; `tables.size()` if there is none, or if there are `several`
+/// without a name that tells.
+std::size_t find_positions(const std::vector<NumpyTable>& tables, bool& several) {
   for (const std::string_view name : kPositionArrays) {
     for (std::size_t i = 0; i < tables.size(); ++i)
       if (tables[i].may_be_positions() && equal_in_any_case(tables[i].name, name)) return i;
@@ -186,21 +186,26 @@ std::size_t find_positions(const std::vector<NumpyTable>& tables) {
     const bool likely = table.may_be_positions() && !is_called(table.name, kColorArrays) &&
                         !is_called(table.name, kNormalArrays);
     if (!named && !likely) continue;
-    if (found < tables.size()) return tables.size();  // more than one
+    several |= found < tables.size();
     found = i;
   }
-  return found;
+  return several ? tables.size() : found;
 }
 
 Result<NumpyContents> look_into(ByteView bytes) {
   NumpyContents contents{TRY(NumpyArrays::open(bytes))};
   std::string all;
   for (std::size_t i = 0; i < contents.arrays.size(); ++i) {
-    const std::string& name = contents.arrays.name(i);
+    std::string name = contents.arrays.name(i);
+    if (contents.arrays.is_archive() && !name.ends_with(".npy")) {
+      contents.other_names.push_back(printable(name));
+      continue;
+    }
+    if (contents.arrays.is_archive()) name.erase(name.size() - 4);
     const auto at_array = [&](const Error& error) {
-      return fail(error.code, contents.arrays.size() == 1
-                                  ? error.message
-                                  : concat(printable(name), ": ", error.message));
+      return fail(error.code, contents.arrays.is_archive()
+                                  ? concat(printable(name), ": ", error.message)
+                                  : error.message);
     };
     const Result<Bytes> begin = contents.arrays.begin(i, kNumpyHeader);
     if (!begin) return at_array(begin.error());
@@ -214,7 +219,14 @@ Result<NumpyContents> look_into(ByteView bytes) {
       contents.other_names.push_back(concat(printable(name), " ", shape));
     }
   }
-  contents.positions = find_positions(contents.tables);
+  bool several = false;
+  contents.positions = find_positions(contents.tables, several);
+  if (several) {
+    return fail(
+        concat("has several arrays that may be positions; call one of them positions, "
+               "points or xyz: it has ",
+               all));
+  }
   if (contents.positions == contents.tables.size()) {
     return fail(
         concat("has no array of positions, of the shape (N, 3) and called positions, "
@@ -294,15 +306,17 @@ class NumpyCollector {
   std::vector<NamedField> fields_;
 };
 
-/// The items of a table, which are all there.
+/// The items of a table, which are all there. `memory`: what the tables of a frame may still take,
+/// in bytes, which becomes less.
 Result<Bytes> items_of_table(const NumpyArrays& arrays, const NumpyTable& table,
-                             const DecodeLimits& limits) {
+                             std::uint64_t& memory) {
   const std::uint64_t row = std::uint64_t{table.columns} * table.header.item_size;
   const std::uint64_t all = table.rows * row;  // no overflow: rows are below max_points
-  if (all > limits.max_memory) {
+  if (all > memory) {
     return fail(ErrorCode::limit, concat(table.text(), " takes ", all, " bytes, more than the ",
-                                         limits.max_memory, " that a frame may take"));
+                                         memory, " that the frame may still take"));
   }
+  memory -= all;
   Bytes bytes = TRY(arrays.begin(table.index, table.header.begin + all));
   if (bytes.size() < table.header.begin + all) {
     return fail(concat(table.text(), " ends after ", bytes.size() - table.header.begin, " of ", all,
@@ -355,7 +369,8 @@ std::size_t look_at_numpy(const ByteSource& source, const DecodeLimits& limits,
   const NumpyTable& table = contents->tables[contents->positions];
   if (!table.may_be_positions() || table.rows > limits.max_points) return 0;
   if (table.columns == 3) return 3;
-  const Result<Bytes> items = items_of_table(contents->arrays, table, limits);
+  std::uint64_t memory = limits.max_memory;
+  const Result<Bytes> items = items_of_table(contents->arrays, table, memory);
   if (!items) return 0;
   show_rows(table, *items, guess);
   return table.columns;
@@ -371,6 +386,7 @@ Result<PointCloud> read_numpy(const ByteSource& source, const DecodeLimits& limi
                                          " points, the most that a frame may have"));
   }
   notes.unread = contents.other_names;
+  std::uint64_t memory = limits.max_memory;
   NumpyCollector collector(positions.rows);
   for (const NumpyTable& table : contents.tables) {
     if (table.rows != positions.rows) {
@@ -388,7 +404,7 @@ Result<PointCloud> read_numpy(const ByteSource& source, const DecodeLimits& limi
         notes.unread.push_back(printable(name));
         continue;
       }
-      if (items.empty()) items = TRY(items_of_table(contents.arrays, table, limits));
+      if (items.empty()) items = TRY(items_of_table(contents.arrays, table, memory));
       if (has_positions) names = TRY(position_names(table, items, reading));
       collector.add(table, column, items, names);
     }

@@ -15,9 +15,9 @@ struct PointLattice {
 
 /// The lattice of a voxelised cloud: the coarsest on which all of its points lie, up to the
 /// rounding of their floats. Steps are 1, 2 or 5 times a power of ten from 0.0001 to 1000, which
-/// includes the whole numbers of most voxelised captures and the millimetres of depth cameras. The
-/// lattice contains zero, unless the points are shifted against it, like cells that are given by
-/// their centres.
+/// includes the whole numbers of most voxelised captures and the millimetres of depth cameras; or,
+/// of many points, any other, as after scaling. The lattice contains zero, unless the points are
+/// shifted against it, like cells that are given by their centres.
 ///
 /// Nothing for other clouds, where it takes only a few points to decide; O(n) otherwise.
 std::optional<PointLattice> lattice_of(const PointCloud& cloud);

@@ -44,6 +44,22 @@ TEST(PointLattice, is_found_wherever_points_lie_on_one) {
   }
 }
 
+TEST(PointLattice, of_many_points_may_have_any_step) {
+  for (const double step : {0.0018, 1.0 / 3.0, 0.7310586, 17.25}) {
+    for (const double shift : {0.0, 0.4}) {
+      const PointLattice lattice{glm::dvec3(shift * step), step};
+      PointCloud cloud = points_on(lattice, {}, 4, 3000);
+      const std::optional<PointLattice> found = lattice_of(cloud);
+      ASSERT_TRUE(found) << step << " " << shift;
+      EXPECT_NEAR(found->step, step, 1e-6 * step);
+      EXPECT_EQ(lattice_cube(bounds(cloud), *found).depth, 8);
+      cloud.positions[1000].x += static_cast<float>(0.317 * step);
+      const std::optional<PointLattice> other = lattice_of(cloud);
+      EXPECT_TRUE(!other || other->step < 0.5 * step);
+    }
+  }
+}
+
 TEST(PointLattice, is_not_found_for_points_anywhere) {
   std::mt19937 random(5);
   for (const float extent : {1e-3f, 0.4f, 3.0f, 5e3f, 1e9f}) {

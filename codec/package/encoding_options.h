@@ -35,6 +35,8 @@ struct EncodingOptions {
   std::size_t clean_frames = 0;
   /// The voxels are not those of the source but sample its surface anew, after it was cleaned.
   bool resample = false;
+  /// The octrees of cleaned frames have cells that fit their points, instead of DepthRule's delta.
+  bool cells_fit_cleaned = true;
   /// Milliseconds, above 0, that encoding a frame may take. FrameTimeControl lowers the depth to
   /// achieve this, so the encoded bytes depend on the machine.
   std::optional<double> frame_time_ms;

@@ -57,7 +57,8 @@ Result<Grid> grid_for(const Box& box, const EncodingOptions& options,
 
 bool cells_follow_points(const EncodingOptions& options) {
   const auto* octree = std::get_if<OctreeOptions>(&options.encode.codec);
-  return octree != nullptr && octree->depth.kind == DepthRule::Kind::delta && !options.voxel;
+  return octree != nullptr && octree->depth.kind == DepthRule::Kind::delta && !options.voxel &&
+         options.cells_fit_cleaned;
 }
 
 PointLattice lattice_for_cells(double cell) {

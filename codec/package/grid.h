@@ -25,7 +25,7 @@ Result<Grid> grid_for(const Box& box, const EncodingOptions& options,
                       const std::optional<PointLattice>& lattice = {});
 
 /// Whether cleaned frames are divided into cells that fit their points: with octrees whose depth
-/// was not fixed.
+/// was not fixed, unless EncodingOptions::cells_fit_cleaned says otherwise.
 bool cells_follow_points(const EncodingOptions& options);
 
 /// A lattice whose step is at most `cell`. Steps are powers of the eighth root of two, so that

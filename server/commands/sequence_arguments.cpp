@@ -127,9 +127,13 @@ void SequenceArguments::add_octree_options(cli::Command command) {
       Codec::octree,
       command
           .add_option_function<double>(
-              "--delta", [this](double share) { octree.depth = DepthRule::by_delta(share); },
+              "--delta",
+              [this](double share) {
+                octree.depth = DepthRule::by_delta(share);
+                sequence.cells_fit_cleaned = false;
+              },
               "divide the octree until at most this share of the distinct points has merged into "
-              "others")
+              "others; without it, frames that were cleaned have cells that fit their points")
           .check(cli::number_option("a number of at least 0", [](double v) { return v >= 0.0; }))
           .default_str(fmt::format("{}", octree.depth.delta)));
   const cli::Option depth =

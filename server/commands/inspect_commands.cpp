@@ -126,9 +126,12 @@ std::string corner_text(const Box& box, const glm::dvec3& corner) {
 
 void print_info(const Manifest& manifest, const Totals& totals) {
   const double seconds = static_cast<double>(manifest.duration_us) * 1e-6;
-  print("{}: {}, {:.2f} s at {} fps, {}, up {}\n", manifest.name,
-        counted(manifest.frame_count(), "frame"), seconds, number_text(manifest.fps),
-        counted(manifest.segments.size(), "segment"), manifest.up.text());
+  const std::uint32_t frames = manifest.frame_count();
+  const std::size_t shown = shown_frames(manifest).size();
+  print("{}: {}{}, {:.2f} s at {} fps, {}, up {}\n", manifest.name, counted(frames, "frame"),
+        shown == frames ? "" : fmt::format(" ({} of them shown)", shown), seconds,
+        number_text(manifest.fps), counted(manifest.segments.size(), "segment"),
+        manifest.up.text());
   if (manifest.captured_us) {
     const auto unix_seconds = static_cast<std::time_t>(*manifest.captured_us / 1'000'000);
     print("  captured {:%Y-%m-%d %H:%M:%S} UTC\n", fmt::gmtime(unix_seconds));

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "codec/files/write_cloud.h"
@@ -27,6 +28,10 @@ Result<std::vector<Chunks<Bytes>>> read_frame(const PackageFiles& files, const M
 /// How far a point can be from its decoded position: what the packer measured, or else the largest
 /// max_geometry_error of all frames, by their headers. 0 if no frame has a point.
 Result<double> max_error(const PackageFiles& files, const Manifest& manifest);
+
+/// The frames that are shown, in order. Others last for no time: where video was cut exactly, they
+/// only serve to decode those behind them.
+std::vector<std::uint32_t> shown_frames(const Manifest& manifest);
 
 struct Fault {
   std::string file;                    ///< in the package's folder
@@ -75,7 +80,7 @@ struct UnpackOptions {
   std::filesystem::path output;
   std::size_t layers = SIZE_MAX;            ///< how many layers to decode, from the base
   std::uint32_t first_frame = 0;            ///< must exist, unless the reel is empty
-  std::uint32_t last_frame = kToTheEnd;     ///< inclusive; must exist
+  std::uint32_t last_frame = kToTheEnd;     ///< inclusive; must exist; with 0: those shown
   bool force = false;                       ///< replace a folder of such files
   PointsFormat format = PointsFormat::ply;  ///< of files of points
   bool recording = false;                   ///< write one recording instead, `recording.mcap`

@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <tbb/parallel_pipeline.h>
@@ -81,8 +83,13 @@ class Unpacking {
     OutputFolder folder = TRY(OutputFolder::create(
         options_.output, options_.force ? may_replace_frames : OutputFolder::MayReplace{}));
     const std::uint32_t frames = manifest_.frame_count();
-    last_ = std::min<std::uint32_t>(options_.last_frame, frames - 1);
-    report_.frames = frames == 0 ? 0 : last_ - options_.first_frame + 1;
+    if (options_.first_frame == 0 && options_.last_frame == kToTheEnd) {
+      frames_ = shown_frames(manifest_);
+    } else if (frames > 0) {
+      frames_.resize(std::min(options_.last_frame, frames - 1) - options_.first_frame + 1);
+      std::iota(frames_.begin(), frames_.end(), options_.first_frame);
+    }
+    report_.frames = static_cast<std::uint32_t>(frames_.size());
     if (listener_.begin) listener_.begin(report_.frames);
     TRY(write_all(folder.path()));
     if (listener_.stop.stop_requested()) return fail(ErrorCode::cancelled, kInterrupted);
@@ -190,12 +197,13 @@ class Unpacking {
   }
 
   Result<void> write_files(const fs::path& folder) {
-    const std::size_t digits = std::max<std::size_t>(kDigits, fmt::format("{}", last_).size());
+    const std::size_t digits = std::max<std::size_t>(
+        kDigits, fmt::format("{}", frames_.empty() ? 0 : frames_.back()).size());
     const char* ending =
         options_.mesh ? extension(options_.mesh->format) : extension(options_.format);
     std::optional<std::pair<std::uint32_t, Error>> first_error;
     for_each_frame(report_.frames, listener_, [&](std::uint32_t i) {
-      const std::uint32_t frame = options_.first_frame + i;
+      const std::uint32_t frame = frames_[i];
       const fs::path path = folder / fmt::format("frame_{:0{}}{}", frame, digits, ending);
       if (const Result<void> done = write(frame, path); !done) {
         const std::lock_guard lock(mutex_);
@@ -211,12 +219,13 @@ class Unpacking {
   Result<void> write_animation(const fs::path& folder) {
     GlbWriter glb(folder / kAnimation, manifest_.name, manifest_.up);
     for (std::uint32_t i = 0; i < report_.frames && !listener_.stop.stop_requested(); ++i) {
-      const std::uint32_t frame = options_.first_frame + i;
+      const std::uint32_t frame = frames_[i];
       TRY(glb.add(TRY(mesh(frame)), frame_time_us(manifest_, frame)));
       if (listener_.frame_done) listener_.frame_done();
     }
-    const bool to_the_end = report_.frames == 0 || last_ + 1 == manifest_.frame_count();
-    return glb.finish(to_the_end ? manifest_.duration_us : frame_time_us(manifest_, last_ + 1));
+    const bool to_the_end = frames_.empty() || frames_.back() + 1 == manifest_.frame_count();
+    return glb.finish(to_the_end ? manifest_.duration_us
+                                 : frame_time_us(manifest_, frames_.back() + 1));
   }
 
   /// Frames are decoded and compressed in parallel, and written in order. No more are under way
@@ -230,8 +239,10 @@ class Unpacking {
     std::uint32_t next = 0;
     Result<void> written;
     const auto begin = [&](tbb::flow_control& control) {
-      if (next == report_.frames || !written || listener_.stop.stop_requested()) control.stop();
-      return options_.first_frame + next++;
+      if (next < report_.frames && written && !listener_.stop.stop_requested())
+        return frames_[next++];
+      control.stop();
+      return std::uint32_t{0};
     };
     const auto make = [&](std::uint32_t frame) -> Result<RecordedFrame> {
       const PointCloud cloud = TRY(decode(frame));
@@ -259,7 +270,7 @@ class Unpacking {
   const InspectListener& listener_;
   const Executor executor_;
   FrameDecoder decoder_;
-  std::uint32_t last_ = 0;
+  std::vector<std::uint32_t> frames_;  ///< to write
   std::mutex mutex_;
   UnpackReport report_;
 };

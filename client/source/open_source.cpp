@@ -26,6 +26,7 @@ bool has_no_frames(const std::filesystem::path& path) {
 
 Result<std::unique_ptr<Source>> open_source(const std::string& where,
                                             const SourceOptions& options) {
+  TRY(check_token(options.token));
   if (is_folder_address(where)) return open_http_source(where, options);
   if (!scheme_of(where).empty()) {
     const Url url = TRY(parse_url(where));

@@ -70,4 +70,14 @@ std::string without_secrets(const std::string& url) {
   return shown;
 }
 
+Result<void> check_token(std::string_view token) {
+  for (const char c : token) {
+    if (static_cast<unsigned char>(c) <= ' ' || c == 127) {
+      return fail(ErrorCode::argument,
+                  "the token has a blank or a control character, which no token may have");
+    }
+  }
+  return {};
+}
+
 }  // namespace pointreel

@@ -30,6 +30,9 @@ std::string_view scheme_of(std::string_view text);
 /// they would break a request. Errors have the code `argument` and begin with the text.
 Result<Url> parse_url(const std::string& text);
 
+/// An error (`argument`) if a bearer token has a blank or a control character, for the same reason.
+Result<void> check_token(std::string_view token);
+
 /// An address as it may be printed: without what its query says, which may be a signature, and
 /// without its user.
 std::string without_secrets(const std::string& url);

@@ -104,7 +104,7 @@ void PackArguments::add_to(cli::Command command) {
                    "before for their time, so that sound does not run ahead");
   command.add_flag("--best-effort", options_.best_effort,
                    "warn instead of failing: leave out stray points and damaged parts of "
-                   "recordings, show the frame before in place of one that cannot be read, and "
+                   "recordings, show a frame near by in place of one that cannot be read, and "
                    "pack what lies too far apart for the cube that it shares, or exceeds the bit "
                    "rate at its coarsest");
   force_ = command.add_flag("--force", options_.force, "replace a package that is already there");

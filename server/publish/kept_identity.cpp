@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -42,15 +43,19 @@ KeptIdentity::KeptIdentity(const std::string& url) {
   path_ = folder / fmt::format("{:016x}", XXH3_64bits(url.data(), url.size()));
   constexpr mode_t kForUserOnly = 0600;
   file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kForUserOnly);
-  if (file_ < 0 || ::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+  struct stat status{};
+  if (file_ < 0 || ::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode) ||
+      status.st_uid != ::geteuid() || ::fchmod(file_, kForUserOnly) != 0 ||
+      ::flock(file_, LOCK_EX | LOCK_NB) != 0) {
     path_.clear();
     return;
   }
   identity_.earlier = parse_secret(read_text(file_));
   const std::string text = secret_text(identity_.secret);
-  if (::pwrite(file_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()) ||
-      ::ftruncate(file_, static_cast<off_t>(text.size())) != 0)
-    identity_.earlier.reset();
+  // Where it cannot be kept, as on a full disk, the next run waits until the name is free.
+  if (::ftruncate(file_, 0) != 0 ||
+      ::pwrite(file_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()))
+    ::unlink(path_.c_str());
 }
 
 KeptIdentity::~KeptIdentity() {

@@ -19,6 +19,12 @@ TEST(Url, is_taken_apart) {
   EXPECT_EQ(url->place(), "host:8090");
 }
 
+TEST(Url, tokens_must_not_break_a_request) {
+  EXPECT_TRUE(check_token(""));
+  EXPECT_TRUE(check_token("a-B_7.~+/="));
+  for (const char* bad : {"a b", "a\r\nX: 1", "\t", "\x7f"}) EXPECT_FALSE(check_token(bad)) << bad;
+}
+
 TEST(Url, has_the_port_of_its_scheme_unless_it_names_one) {
   EXPECT_EQ(parse_url("http://host/reel")->port, 80);
   EXPECT_EQ(parse_url("https://host/reel")->port, 443);

@@ -47,7 +47,7 @@ EncodedFrame forged_frame(ByteView bytes) {
   const ByteView fields = take(bytes, 4);
   if (fields.size() < 4) return {};
   FrameHeader header;
-  header.depth = fields[0] % (kMaxDepth + 2);
+  header.depth = static_cast<std::uint8_t>(fields[0] % (kMaxDepth + 2));
   header.has_colors = fields[1] & 1;
   header.has_normals = fields[1] & 2;
   header.colors_16_bit = fields[1] & 4;

@@ -6,6 +6,7 @@
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
 #include "common/base/unix_time.h"
+#include "common/net/url.h"
 #include "common/threads/tbb_executor.h"
 #include "pointreel/draco.h"
 
@@ -21,6 +22,7 @@ Result<std::unique_ptr<FramePublisher>> FramePublisher::open(const std::string& 
                                                              const std::stop_token& stop) {
   OutboxOptions outbox;
   outbox.url = TRY(publishing_address(url));
+  TRY(check_token(token));
   outbox.token = token;
   outbox.ca_file = ca_file;
   if (!is_frame_rate(options.fps)) return fail(ErrorCode::argument, "fps is out of range");

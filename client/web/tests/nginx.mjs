@@ -65,7 +65,7 @@ test("the page and a reel come from nginx alone", async () => {
 test("the address of the folder lists the packages, and that of a package plays it", async () => {
   const { tab, close } = await openTab(browser, `${url}/`);
   await until(tab, () => document.querySelectorAll(".cards a").length === 1, "the list");
-  await tab.evaluate(() => document.querySelector(".cards a").click());
+  await tab.goto(await tab.evaluate(() => document.querySelector(".cards a").href));
   await until(tab, () => document.querySelector("pointreel-player")?.player.pictures > 0, "a picture", 60_000);
   await close();
   const other = await openTab(browser, `${url}/reel`);

@@ -116,10 +116,12 @@ class Connection : public WebSocket {
     });
     if (error == websocket::error::upgrade_declined) {
       const auto status = static_cast<int>(response.result_int());
-      return tl::unexpected(
-          ConnectError{{fmt::format("{}: answers {}{}", place_, status, excuse(response.body())),
-                        status == 404 ? ErrorCode::not_found : ErrorCode::io},
-                       status});
+      return tl::unexpected(ConnectError{
+          {fmt::format("{}: answers {}{}", place_, status,
+                       status == 401 ? ": it requires a valid token; give it with --token"
+                                     : excuse(response.body())),
+           status == 404 ? ErrorCode::not_found : ErrorCode::io},
+          status});
     }
     if (error) return failed(error.message());
     websocket::stream_base::timeout timeout{};

@@ -453,6 +453,20 @@ class Servers(TemporaryFolder):
         self.assertTrue(all(frame.colors is not None and len(frame) > 2000 for frame in seen))
         with self.assertRaises(ValueError):
             stream.send(ball())
+        self.assertGreaterEqual(stream.accepted, 5)
+        self.assertEqual((stream.sent % 3, stream.trouble), (0, ""))
+
+    def test_a_stream_of_which_nothing_arrives_is_an_error(self):
+        with self.assertRaises(pointreel.Error) as raised:
+            with pointreel.publish("ws://127.0.0.1:9/live/ball") as stream:
+                stream.send(ball())
+        self.assertEqual(raised.exception.code, "io")
+        self.assertRegex(str(raised.exception), "nothing arrived at the server; .*nothing answers")
+        self.assertEqual((stream.sent, stream.accepted), (1, 0))
+        with self.assertRaises(ZeroDivisionError):
+            with pointreel.publish("ws://127.0.0.1:9/live/ball") as stream:
+                stream.send(ball())
+                1 / 0
 
     def test_a_stream_goes_on_where_the_times_given_do_not(self):
         url = f"ws://{self.serve('--live')}/live/ball"

@@ -234,8 +234,10 @@ TEST_F(RecorderTest, a_folder_that_cannot_be_written_is_reported_once_and_distur
   LiveRecorder recorder(options());
   recorder.hello(real_hello());
   give_frames(recorder, 0, 20);
-  recorder.end();
   EXPECT_THAT(said_, ElementsAre(HasSubstr("recording stage has stopped")));
+  recorder.end();
+  for (int second = 0; second < 3; ++second) EXPECT_FALSE(recorder.settle());
+  EXPECT_THAT(said_, ElementsAre(HasSubstr("has stopped"), HasSubstr("20 frames wait")));
 }
 
 TEST_F(RecorderTest, frames_keep_their_pace_when_the_publishers_clock_is_set_back) {

@@ -319,45 +319,59 @@ class Publisher:
 
     def __init__(self, native: _native.Publisher):
         self._native: Optional[_native.Publisher] = native
+        self._last: Tuple[int, int, str] = (0, 0, "")
 
     def send(self, frame: Any) -> None:
         """Encodes a frame, which is whatever `pack` takes, and hands it to a thread that sends it.
         Its `time`, if it has one, is the Unix time of its capture. Where the link is too slow,
         frames are left out."""
-        native = self._open()
-        _give(frame, native.send, native.send_frame)
+        if self._native is None:
+            raise ValueError("the stream is closed")
+        _give(frame, self._native.send, self._native.send_frame)
 
     @property
     def sent(self) -> int:
         """How many frames were given."""
-        return self._open().sent()
+        return self._state()[0]
 
     @property
     def accepted(self) -> int:
-        """How many of them the server has accepted."""
-        return self._open().accepted()
+        """How many of them the server has accepted; after `close`, in all."""
+        return self._state()[1]
 
     @property
     def trouble(self) -> str:
         """Why nothing can be sent at present, or an empty text."""
-        return self._open().trouble()
+        return self._state()[2]
 
     def close(self) -> None:
-        """Gives what was sent last some time to arrive, and ends the stream."""
-        if self._native is not None:
-            native, self._native = self._native, None
-            native.flush()
+        """Gives what was sent last some time to arrive, and ends the stream. An `Error` if the
+        server has accepted none of the frames."""
+        self._end()
+        sent, accepted, trouble = self._last
+        if sent > 0 and accepted == 0:
+            nothing = Error("nothing arrived at the server" + (f"; {trouble}" if trouble else ""))
+            nothing.code = "io"
+            raise nothing
 
-    def _open(self) -> _native.Publisher:
-        if self._native is None:
-            raise ValueError("the stream is closed")
-        return self._native
+    def _state(self) -> Tuple[int, int, str]:
+        native = self._native
+        return self._last if native is None else (native.sent(), native.accepted(), native.trouble())
+
+    def _end(self) -> None:
+        if self._native is not None:
+            self._native.flush()
+            self._last = self._state()
+            self._native = None
 
     def __enter__(self) -> Publisher:
         return self
 
-    def __exit__(self, *_: Any) -> None:
-        self.close()
+    def __exit__(self, error: Any, *_: Any) -> None:
+        if error is None:
+            self.close()
+        else:
+            self._end()
 
 
 def publish(url: str, *, token: str = "", ca_file: str = "", name: str = "", fps: float = 30.0,

@@ -274,9 +274,8 @@ int run_unpack(UnpackOptions options, const std::string& frames, const std::stri
   const Result<PackageFiles> files = PackageFiles::at(input, http);
   if (!files) return failed_to_open(files.error());
   options.input = *files;
-  if (const Result<Manifest> manifest = files->manifest(); !manifest) {
-    return failed_to_open(manifest.error());
-  }
+  const Result<Manifest> manifest = files->manifest();
+  if (!manifest) return failed_to_open(manifest.error());
   std::unique_ptr<Progress> progress;
   const Result<UnpackReport> report = unpack(options, listener_for("unpack", progress, stop));
   progress.reset();
@@ -286,6 +285,14 @@ int run_unpack(UnpackOptions options, const std::string& frames, const std::stri
   }
   print("{}: {}{}\n", options.output.string(), counted(report->frames, "frame"),
         options.mesh ? ", " + counted(report->triangles, "triangle") : "");
+  if (const bool takes_z =
+          options.recording || (!options.mesh && options.format == PointsFormat::las);
+      takes_z && manifest->up != Up('z')) {
+    print_error(
+        fmt::format("the axes stay as they are: {0} points up, but readers of {1} files take "
+                    "z; pack them again with --up {0}",
+                    manifest->up.text(), options.recording ? "MCAP" : "LAS"));
+  }
   if (!report->lost.empty()) print_error(describe_lost(report->lost));
   if (report->without_mesh > 0) {
     const bool one = report->without_mesh == 1;

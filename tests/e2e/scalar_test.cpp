@@ -139,7 +139,8 @@ TEST_F(Scalars, that_las_files_do_not_keep_are_named_in_one_line) {
   EXPECT_EQ(unpacked.exit_code, 0);
   EXPECT_THAT(unpacked.err, HasSubstr("values of class dropped"));
   EXPECT_THAT(unpacked.err, HasSubstr("values of heat dropped"));
-  EXPECT_EQ(std::count(unpacked.err.begin(), unpacked.err.end(), '\n'), 1);
+  EXPECT_THAT(unpacked.err, HasSubstr("--up y"));
+  EXPECT_EQ(std::count(unpacked.err.begin(), unpacked.err.end(), '\n'), 2);
 }
 
 }  // namespace

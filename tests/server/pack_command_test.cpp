@@ -348,7 +348,9 @@ TEST_F(PackCommand, takes_what_unpack_has_written_in_any_format) {
        {std::pair("ply", "y"), {"pcd", "y"}, {"las", "z"}, {"mcap", "z"}}) {
     SCOPED_TRACE(format);
     const std::string files = (reel_.parent_path() / format).string(), again = files + ".reel";
-    ASSERT_EQ(run({"unpack", "-i", reel_.string(), "-o", files, "--format", format}).code, kExitOk);
+    const Outcome unpacked = run({"unpack", reel_.string(), files, "--format", format});
+    ASSERT_EQ(unpacked.code, kExitOk);
+    EXPECT_EQ(unpacked.errors.find("with --up y") != std::string::npos, up == std::string("z"));
     const Outcome packed = run({"pack", "-i", files, "-o", again});
     ASSERT_EQ(packed.code, kExitOk) << packed.errors;
     EXPECT_EQ(read_manifest(again)->up.text(), up);

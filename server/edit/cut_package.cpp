@@ -124,6 +124,11 @@ Result<CutReport> cut_package(const CutOptions& options, const std::stop_token& 
   const CutRange wanted = TRY(at_place(options.input.shown(), frames_of(options, manifest)));
   const Cut cut = cut_at(options, manifest, wanted);
   Manifest kept = keep(manifest, cut);
+  if (kept.duration_us == 0) {
+    return fail(ErrorCode::argument,
+                fmt::format("{}: of frames {} none is shown: they only serve to decode others",
+                            options.input.shown(), span_text(wanted.first, wanted.last)));
+  }
   OutputFolder folder = TRY(OutputFolder::create(
       options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));
   for (std::uint32_t i = cut.first.segment; i <= cut.last.segment; ++i) {

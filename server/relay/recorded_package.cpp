@@ -138,7 +138,7 @@ Result<void> RecordedPackage::complete(const LiveHello& hello) {
   const Result<void> sound = write_sound();
   TRY(write_manifest_file(head(hello)));
   if (before && before->path != audio_->path) ::unlink((folder_ / before->path).c_str());
-  complete_ = true;
+  complete_ = sound.has_value();
   return sound;
 }
 

@@ -65,19 +65,18 @@ void LiveRecorder::end() {
 }
 
 bool LiveRecorder::settle() {
-  if (waiting_.empty()) return true;
-  write_waiting();
-  if (!waiting_.empty()) return false;
-  pause();
-  return true;
+  if (!waiting_.empty()) write_waiting();
+  return waiting_.empty() && pause();
 }
 
-void LiveRecorder::pause() {
-  if (!package_) return;
+bool LiveRecorder::pause() {
+  if (!package_) return true;
   write_sound();
-  if (const auto completed = package_->complete(hello_); !completed) {
-    say(completed.error().message);
-  }
+  const auto completed = package_->complete(hello_);
+  const std::string trouble = completed ? "" : completed.error().message;
+  if (!completed && trouble != trouble_) say(trouble);
+  trouble_ = trouble;
+  return completed.has_value();
 }
 
 void LiveRecorder::append(LiveSegment segment) {

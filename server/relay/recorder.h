@@ -49,8 +49,8 @@ class LiveRecorder : public LiveSink {
   void write_sound();
   Result<void> record(LiveSegment& segment);
   Result<void> open(const LiveSegment& first);
-  /// Completes the package for now: the publisher may come back.
-  void pause();
+  /// Completes the package for now: the publisher may come back. Whether that was possible.
+  bool pause();
   /// Completes the package, so that the next segment begins another one.
   void complete();
   /// Completes the package, and gives up what could not be written.
@@ -70,6 +70,7 @@ class LiveRecorder : public LiveSink {
   };
   std::deque<Sound> sounds_;       ///< that belong to the segments to come
   bool stopped_ = false;           ///< the oldest of them could not be written
+  std::string trouble_;            ///< why the package could not be completed; said already
   std::uint64_t lost_frames_ = 0;  ///< since the recording stopped
 };
 

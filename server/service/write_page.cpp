@@ -16,15 +16,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether a page of any version is there, or nothing.
-bool is_free_or_ours(const fs::path& index) {
+/// Whether there is nothing, or a file that has this text near its beginning, as ours have.
+bool is_free_or_has(const fs::path& path, const char* mark) {
   std::error_code error;
-  if (!fs::exists(fs::symlink_status(index, error))) return true;
-  if (!fs::is_regular_file(fs::symlink_status(index, error))) return false;
-  std::ifstream file(index, std::ios::binary);
+  if (!fs::exists(fs::symlink_status(path, error))) return true;
+  if (!fs::is_regular_file(fs::symlink_status(path, error))) return false;
+  std::ifstream file(path, std::ios::binary);
   std::string text(4096, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  return text.find("<title>Pointreel</title>") != std::string::npos;
+  return text.find(mark) != std::string::npos;
 }
 
 /// The file, and its compressed forms, as nginx and others take them with gzip_static.
@@ -48,11 +48,16 @@ Result<WrittenPage> write_page(const fs::path& folder, std::span<const PageFile>
   if (page.empty())
     return fail(ErrorCode::unsupported, "this Pointreel was built without the page");
   const fs::path index = folder / "index.html";
-  if (!force && !is_free_or_ours(index)) {
+  if (!force && !is_free_or_has(index, "<title>Pointreel</title>")) {
     return fail(ErrorCode::argument,
                 index.string() + ": is another page; use --force to replace it");
   }
-  Catalog catalog = TRY(Catalog::load({folder}));
+  const fs::path reels = folder / "reels.json";
+  if (!force && !is_free_or_has(reels, R"("packages")")) {
+    return fail(ErrorCode::argument,
+                reels.string() + ": is another list; use --force to replace it");
+  }
+  Catalog catalog;
   std::vector<std::string> faults = catalog.refresh({folder}).faults;
   const std::string list = catalog.list({})->text;
   // The list last, so that a page that is there already finds all that it names.
@@ -67,7 +72,7 @@ Result<WrittenPage> write_page(const fs::path& folder, std::span<const PageFile>
     TRY(write_forms(path, file));
   }
   if (start != nullptr) TRY(write_forms(index, *start));
-  TRY(replace_file(folder / "reels.json", list));
+  TRY(replace_file(reels, list));
   return WrittenPage{nlohmann::json::parse(list)["packages"].size(), std::move(faults)};
 }
 

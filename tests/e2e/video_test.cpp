@@ -126,6 +126,8 @@ TEST_F(Video, is_verified_unpacked_cut_and_joined) {
   EXPECT_EQ(frame_at(inner, 0), 2u);
   EXPECT_THAT(server({"info", path("inner")}).out, HasSubstr("6 frames (4 of them shown)"));
   EXPECT_THAT(server({"unpack", path("inner"), path("four")}).out, HasSubstr("4 frames"));
+  EXPECT_THAT(server({"cut", path("inner"), path("none"), "--frames", "0-1"}).err,
+              HasSubstr("of frames 0 to 1 none is shown"));
   EXPECT_EQ(inner.duration_us, frame_time_us(manifest, 4));
 
   const std::string group = std::to_string(kGroup);

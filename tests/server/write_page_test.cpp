@@ -59,6 +59,17 @@ TEST(WritePage, replaces_no_other_page) {
   EXPECT_EQ(text_of(folder / "index.html"), kPage[0].plain);
 }
 
+TEST(WritePage, lists_nothing_where_no_package_is_left_and_replaces_no_other_list) {
+  const TemporaryFolder folder;
+  write_package(folder / "walk", "base", "the rest");
+  ASSERT_TRUE(write_page(folder.path(), kPage, false));
+  fs::remove_all(folder / "walk");
+  ASSERT_EQ(write_page(folder.path(), kPage, false).value().packages, 0u);
+  EXPECT_TRUE(nlohmann::json::parse(text_of(folder / "reels.json"))["packages"].empty());
+  folder.write("reels.json", R"({"mine": 1})");
+  EXPECT_THAT(write_page(folder.path(), kPage, false).error().message, HasSubstr("--force"));
+}
+
 TEST(WritePage, says_what_is_not_a_folder_of_packages) {
   const TemporaryFolder folder;
   const auto error = [&](const fs::path& path) {

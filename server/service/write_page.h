@@ -17,7 +17,7 @@ struct WrittenPage {
 
 /// Writes the page's files into a folder that holds packages, and reels.json, the list of them: for
 /// web servers that serve files and nothing else. Replaces what an earlier call has written there;
-/// an index.html of somebody else is an error, unless `force` is set.
+/// an index.html or a reels.json of somebody else is an error, unless `force` is set.
 Result<WrittenPage> write_page(const std::filesystem::path& folder, std::span<const PageFile> page,
                                bool force);
 

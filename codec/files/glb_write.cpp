@@ -155,9 +155,10 @@ class GlbWriter::Document {
         {"doubleSided", true}};
     if (colors_) {
       material["extensions"] = {{"KHR_materials_unlit", ordered_json::object()}};
-      json_["extensionsUsed"] = {"KHR_materials_unlit"};
+      json_["extensionsUsed"] = ordered_json::array({"KHR_materials_unlit"});
     }
-    json_["materials"] = {std::move(material)};
+    // Not in braces alone: compilers differ on whether {json} is an array or a copy.
+    json_["materials"] = ordered_json::array({std::move(material)});
   }
 
   /// Adds floats to the data, and an accessor for them.

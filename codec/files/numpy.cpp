@@ -27,6 +27,8 @@ namespace pointreel {
 namespace {
 
 constexpr std::size_t kMostArrays = 256, kZipChunk = std::size_t{1} << 20;
+/// Bytes that a point takes until it is encoded. An archive's size says nothing about them.
+constexpr std::uint64_t kPointMemory = 64;
 /// Rows that are looked at to guess what the columns are.
 constexpr std::uint64_t kLookedRows = 4096;
 
@@ -384,6 +386,12 @@ Result<PointCloud> read_numpy(const ByteSource& source, const DecodeLimits& limi
   if (positions.rows > limits.max_points) {
     return fail(ErrorCode::limit, concat(positions.text(), " has more than ", limits.max_points,
                                          " points, the most that a frame may have"));
+  }
+  if (contents.arrays.is_archive() && positions.rows > limits.max_memory / kPointMemory) {
+    return fail(ErrorCode::limit,
+                concat(positions.text(), " has more points than the ", limits.max_memory >> 20,
+                       " MiB that a frame may take allow; raise --frame-memory if you trust where "
+                       "it comes from"));
   }
   notes.unread = contents.other_names;
   std::uint64_t memory = limits.max_memory;

@@ -194,8 +194,12 @@ TEST(Numpy, few_bytes_do_not_become_many_points) {
   const Bytes zeros = npz({{"points", npy("<f4", "(1000000, 3)", std::vector<float>(3000000))}});
   EXPECT_LT(zeros.size(), 100000u);
   EXPECT_THAT(error_of(zeros, {}, {.max_points = 1000}), HasSubstr("more than 1000 points"));
-  EXPECT_THAT(error_of(zeros, {}, {.max_memory = 1u << 20}),
-              HasSubstr("more than the 1048576 that"));
+  EXPECT_THAT(error_of(zeros, {}, {.max_memory = 60u << 20}), HasSubstr("than the 60 MiB that"));
+  EXPECT_EQ(error_of(zeros, {}, {.max_memory = 64u << 20}), "none");
+  std::vector<std::pair<std::string, Bytes>> arrays{{"points", npy("<f4", "(2, 3)", kTwo)}};
+  for (char name = 'a'; name < 'i'; ++name)
+    arrays.emplace_back(std::string(1, name), npy("<f8", "(2,)", std::vector<double>{1, 2}));
+  EXPECT_THAT(error_of(npz(arrays), {}, {.max_memory = 2 * 64}), HasSubstr("takes 16 bytes, more"));
   EXPECT_THAT(error_of(npy("<f4", "(60000000, 3)", kTwo)), HasSubstr("ends after 24 of"));
 }
 

@@ -1,5 +1,7 @@
 #include "common/base/characters.h"
 
+#include <algorithm>
+
 namespace pointreel {
 
 Character first_character(std::string_view text) {
@@ -37,6 +39,11 @@ bool is_harmless(std::string_view text) {
     text.remove_prefix(character.bytes);
   }
   return true;
+}
+
+bool has_blank(std::string_view text) {
+  return std::any_of(text.begin(), text.end(),
+                     [](char c) { return static_cast<unsigned char>(c) <= ' ' || c == 0x7f; });
 }
 
 }  // namespace pointreel

@@ -25,4 +25,7 @@ bool is_harmless(std::uint32_t code);
 /// Trust: the text may be hostile.
 bool is_harmless(std::string_view text);
 
+/// True if the text has a space or an ASCII control character, as addresses and tokens must not.
+bool has_blank(std::string_view text);
+
 }  // namespace pointreel

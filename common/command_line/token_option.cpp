@@ -2,6 +2,8 @@
 
 #include <cstdlib>
 
+#include "common/base/characters.h"
+
 namespace pointreel {
 
 std::string fault_of_token(cli::Option option) {
@@ -16,12 +18,8 @@ std::string fault_of_token(cli::Option option) {
     token = environment;
   }
   if (token.empty()) return place + ": is empty; give a token, or leave it out";
-  for (const char c : token) {
-    if (static_cast<unsigned char>(c) <= ' ' || c == 127) {
-      return place + ": has a space or a control character, which no token may have";
-    }
-  }
-  return {};
+  if (!has_blank(token)) return {};
+  return place + ": has a blank or a control character, which no token may have";
 }
 
 }  // namespace pointreel

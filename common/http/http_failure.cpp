@@ -115,7 +115,7 @@ HttpFailure failure_of_transfer(int code, const HttpOptions& options, std::uint6
       return because(std::move(what), std::move(advice));
     }
     case CURLE_SSL_CACERT_BADFILE:
-      return because(fmt::format("{}: holds no certificates in PEM form", options.ca_file));
+      return because(fault_of_certificates(options.ca_file));
     case CURLE_TOO_MANY_REDIRECTS:
       return because("the server redirects again and again", "check the address");
     case CURLE_OUT_OF_MEMORY:

@@ -1,6 +1,10 @@
 #include "common/net/untrusted.h"
 
+#include <cerrno>
+#include <system_error>
+
 #include <fmt/format.h>
+#include <unistd.h>
 
 namespace pointreel {
 namespace {
@@ -18,6 +22,11 @@ std::string advice_for(std::string_view said) {
 
 Untrusted untrusted(std::string_view said) {
   return {fmt::format("the server's certificate is not trusted ({})", said), advice_for(said)};
+}
+
+std::string fault_of_certificates(const std::string& file) {
+  if (::access(file.c_str(), R_OK) == 0) return file + ": holds no certificates in PEM form";
+  return fmt::format("{}: {}", file, std::generic_category().message(errno));
 }
 
 }  // namespace pointreel

@@ -14,4 +14,7 @@ struct Untrusted {
 /// `said`: why, in the words of OpenSSL or libcurl.
 Untrusted untrusted(std::string_view said);
 
+/// What is wrong with a file of certificates from which none could be taken.
+std::string fault_of_certificates(const std::string& file);
+
 }  // namespace pointreel

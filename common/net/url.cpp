@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "common/base/characters.h"
+
 namespace pointreel {
 
 std::string Url::place() const {
@@ -21,9 +23,7 @@ Result<Url> parse_url(const std::string& text) {
   };
   const std::string_view scheme = scheme_of(text);
   if (scheme.empty()) return refused("is not an address such as https://HOST/NAME");
-  const auto is_blank = [](char c) { return static_cast<unsigned char>(c) <= 32 || c == 127; };
-  if (std::any_of(text.begin(), text.end(), is_blank))
-    return refused("contains a blank or a control character");
+  if (has_blank(text)) return refused("contains a blank or a control character");
   Url url;
   for (const char c : scheme)
     url.scheme += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -71,13 +71,9 @@ std::string without_secrets(const std::string& url) {
 }
 
 Result<void> check_token(std::string_view token) {
-  for (const char c : token) {
-    if (static_cast<unsigned char>(c) <= ' ' || c == 127) {
-      return fail(ErrorCode::argument,
-                  "the token has a blank or a control character, which no token may have");
-    }
-  }
-  return {};
+  if (!has_blank(token)) return {};
+  return fail(ErrorCode::argument,
+              "the token has a blank or a control character, which no token may have");
 }
 
 }  // namespace pointreel

@@ -389,9 +389,7 @@ Result<asio::ssl::context> client_context(const WebSocketOptions& options) {
   } else {
     tls.load_verify_file(options.ca_file, error);
   }
-  if (error)
-    return fail(ErrorCode::argument,
-                fmt::format("{}: holds no certificates in PEM form", options.ca_file));
+  if (error) return fail(ErrorCode::argument, fault_of_certificates(options.ca_file));
   return tls;
 }
 

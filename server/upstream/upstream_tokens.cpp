@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "common/base/characters.h"
 #include "common/base/try.h"
 #include "common/net/websocket.h"
 
@@ -47,10 +48,8 @@ Result<UpstreamTokens> UpstreamTokens::parse(std::string_view text) {
     if (!url || url->target != "/")
       return wrong("does not begin with the address of a server, such as wss://HOST:PORT");
     if (token.empty()) return wrong("has no token behind the address");
-    if (std::any_of(token.begin(), token.end(),
-                    [](char c) { return static_cast<unsigned char>(c) <= ' ' || c == 127; })) {
-      return wrong("has a token with a space or a control character, which no token may have");
-    }
+    if (has_blank(token))
+      return wrong("has a token with a blank or a control character, which no token may have");
     if (!tokens.tokens_.emplace(server_of(*url), token).second)
       return wrong("is the second for this server");
   }

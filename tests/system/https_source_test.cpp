@@ -87,6 +87,8 @@ TEST_F(HttpsSource, reports_that_a_file_contains_no_certificates) {
   SourceOptions options;
   options.ca_file = folder_.write("empty.pem", "nothing");
   EXPECT_THAT(error(options), HasSubstr("holds no certificates"));
+  options.ca_file += ".missing";
+  EXPECT_THAT(error(options), HasSubstr("empty.pem.missing: No such file"));
 }
 
 TEST_F(HttpsSource, reports_that_the_token_is_wrong) {

@@ -106,9 +106,8 @@ void print_summary(const PublishSummary& summary) {
   print("  encode  {:.1f} ms per frame ({:.1f} to {:.1f}), {} late, depth {}\n",
         summary.encode_ms.median, summary.encode_ms.min, summary.encode_ms.max, summary.late,
         span_text(summary.depth_min, summary.depth_max));
-  print("  sent    {}; {} and {} dropped because the link was too slow\n",
-        counted(summary.sent.bytes, "byte"), counted(summary.sent.drops.frames, "frame"),
-        counted(summary.sent.drops.layers, "layer"));
+  print("  sent    {}; {} and {} dropped, not sent in time\n", counted(summary.sent.bytes, "byte"),
+        counted(summary.sent.drops.frames, "frame"), counted(summary.sent.drops.layers, "layer"));
   print("  server  accepted {}, {}\n", counted(summary.sent.accepted_frames, "frame"),
         counted(summary.sent.accepted_layers, "layer"));
 }
@@ -173,6 +172,7 @@ void add_publish_command(cli::Command app, int& exit_code) {
   command
       .add_option("--ca-file", a.ca_file,
                   "for wss://: certificates to trust instead of the system's, in PEM form")
+      .check(cli::existing_file())
       .type_name("FILE");
   command
       .add_option(

@@ -147,8 +147,9 @@ Result<SourceFrame> SourceFrames::load(std::size_t frame) const {
       source.warnings.push_back(
           fmt::format("{}, and {} left out", text, strays.size() == 1 ? "is" : "are"));
     } else {
-      source.strays = fmt::format("{}: {}: remove such points, or let --best-effort leave them out",
-                                  name(frame), text);
+      const std::string advice = "remove such points, or let --best-effort leave them out";
+      source.strays = fmt::format("{}: {}: {}", name(frame), text, advice);
+      source.warnings.push_back(fmt::format("{}, so voxels may be larger: {}", text, advice));
     }
   }
   place(source.cloud, options_.placement);

@@ -79,6 +79,11 @@ std::string text_of(const nlohmann::ordered_json& json) {
 
 bool is_odd(char c) { return c == '\\' || c == 0x7f || static_cast<unsigned char>(c) < 0x20; }
 
+Error unusable_name(const fs::path& folder) {
+  return {folder.string() + ": the folder's name cannot be used in a URL; rename it",
+          ErrorCode::argument};
+}
+
 /// The name of a folder, if it can be part of a URL.
 Result<std::string> segment_name(const fs::path& folder) {
   std::error_code error;
@@ -87,11 +92,8 @@ Result<std::string> segment_name(const fs::path& folder) {
   fs::path normal = absolute.lexically_normal();
   if (!normal.has_filename()) normal = normal.parent_path();  // "reel/"
   std::string name = normal.filename().string();
-  if (name.empty() || name == "." || name == ".." || std::ranges::any_of(name, is_odd)) {
-    return fail(
-        ErrorCode::argument,
-        fmt::format("{}: the folder's name cannot be used in a URL; rename it", folder.string()));
-  }
+  if (name.empty() || name == "." || name == ".." || std::ranges::any_of(name, is_odd))
+    return tl::unexpected(unusable_name(folder));
   return name;
 }
 
@@ -205,7 +207,6 @@ bool look_into(const fs::path& folder, const std::string& prefix, int depth, std
       has_files = has_files || depth == 0;
       continue;
     }
-    if (std::ranges::any_of(name, is_odd)) continue;
     // Below these names the server and the page have something else.
     const bool is_reserved = name == "live" || name == "page";
     if (fs::exists(path / kManifestName, unknown)) {
@@ -222,6 +223,7 @@ bool look_into(const fs::path& folder, const std::string& prefix, int depth, std
 Result<std::shared_ptr<const Package>> read_package(const PackageFolder& from,
                                                     const Package* before) {
   const std::string given = from.folder.string(), &name = from.name;
+  if (std::ranges::any_of(name, is_odd)) return tl::unexpected(unusable_name(from.folder));
   std::error_code error;
   const fs::path folder = fs::canonical(from.folder, error);
   if (error) return fail(ErrorCode::not_found, fmt::format("{}: {}", given, error.message()));

@@ -45,6 +45,10 @@ Result<WrittenPage> write_page(const fs::path& folder, std::span<const PageFile>
     return fail(ErrorCode::argument,
                 folder.string() + ": is a package: name the folder that holds the packages");
   }
+  if (fs::exists(folder / "page" / kManifestName, error)) {
+    return fail(ErrorCode::argument,
+                (folder / "page").string() + ": is a package where the page is to lie; rename it");
+  }
   if (page.empty())
     return fail(ErrorCode::unsupported, "this Pointreel was built without the page");
   const fs::path index = folder / "index.html";
@@ -69,6 +73,7 @@ Result<WrittenPage> write_page(const fs::path& folder, std::span<const PageFile>
     }
     const fs::path path = folder / "page" / file.name;
     fs::create_directories(path.parent_path(), error);
+    if (error) return fail(ErrorCode::io, path.parent_path().string() + ": " + error.message());
     TRY(write_forms(path, file));
   }
   if (start != nullptr) TRY(write_forms(index, *start));

@@ -211,6 +211,10 @@ TEST_F(CatalogTest, a_fault_of_one_package_in_a_folder_keeps_the_others) {
   EXPECT_NE(catalog->find("/good/reel.json"), nullptr);
   EXPECT_EQ(catalog->find("/bad/reel.json"), nullptr);
   EXPECT_THAT(catalog->refresh({all}).faults, ElementsAre(HasSubstr("bad/reel.json")));
+  // Its name could not be part of a URL.
+  write_package(all / "a\\b", "1", "2");
+  EXPECT_THAT(catalog->refresh({all}).faults, ElementsAre(HasSubstr("rename it")));
+  fs::remove_all(all / "a\\b");
   // Two of the same name, one of which came later.
   write_package(temporary_.path() / "more" / "good", "3", "4");
   const auto news = catalog->refresh({all, temporary_.path() / "more"});

@@ -301,6 +301,14 @@ TEST_F(PackGrid, refuses_a_frame_of_which_some_points_are_too_far_away) {
   }
 }
 
+TEST_F(PackGrid, names_a_stray_that_only_makes_voxels_larger) {
+  write(0, with_far_points(ellipsoid(2000), {1e3f}));
+  EXPECT_THAT(
+      packed().warnings,
+      ElementsAre(HasSubstr("0.ply: point 2000 at 1000 0 0 lies far from all others, so "
+                            "voxels may be larger: remove such points, or let --best-effort")));
+}
+
 TEST_F(PackGrid, packs_equal_points_and_frames_that_are_small_anyway) {
   PointCloud equal = ellipsoid(50);
   for (std::size_t i = 5; i < 50; ++i) equal.positions[i] = equal.positions[i % 5];

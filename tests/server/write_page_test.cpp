@@ -79,6 +79,11 @@ TEST(WritePage, says_what_is_not_a_folder_of_packages) {
   write_package(folder / "walk", "base", "the rest");
   EXPECT_THAT(error(folder / "walk"), HasSubstr("name the folder that holds the packages"));
   EXPECT_THAT(write_page(folder.path(), {}, false).error().message, HasSubstr("without the page"));
+  folder.write("page", "a file");
+  EXPECT_THAT(error(folder.path()), HasSubstr("page/abc: "));
+  fs::remove(folder / "page");
+  write_package(folder / "page", "base", "the rest");
+  EXPECT_THAT(error(folder.path()), HasSubstr("page: is a package where the page is to lie"));
 }
 
 }  // namespace

@@ -247,7 +247,10 @@ class OffscreenPlayer {
         break;
       }
       const Stage::Update update = stage_->update(now);
-      if (update.ended) break;
+      if (update.ended) {
+        if (auto why = stage_->refusal()) return tl::unexpected(*std::move(why));
+        break;
+      }
       if (has_new_view() || options_.camera_path) camera_ = camera_at(start_us(options_) + time_us);
       stage_->look(camera_, size_);
       if (!update.changes.empty()) {

@@ -102,8 +102,8 @@ PlayCommand::PlayCommand(cli::Command app) {
   add_window(command);
   add_output(command);
   command.essentials({"--camera", "--target", "--zoom", "--mode", "--light", "--background", "--up",
-                      "--at", "--speed", "--loop", "--token", "--offscreen", "--screenshot",
-                      "--record"});
+                      "--at", "--speed", "--loop", "--token", "--ca-file", "--offscreen",
+                      "--screenshot", "--record"});
   command.footer("Keys and mouse in the window:\n" + bindings_help() +
                  "\nExit status: 0 if it played to the end or was ended by the user, 1 if it "
                  "failed,\n2 if the command line is wrong.");

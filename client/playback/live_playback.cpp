@@ -102,6 +102,10 @@ void LivePlayback::receive() {
     auto frame = source_->next(kPatience);
     auto hello = source_->hello(milliseconds(0));
     bool another_hello = false;
+    if (source_->refusal()) {
+      if (on_ready_) on_ready_();
+      return;
+    }
     {
       const std::lock_guard lock(mutex_);
       if (ending_) return;
@@ -181,9 +185,10 @@ void LivePlayback::deliver(std::uint64_t order, std::shared_ptr<const SceneFrame
 }
 
 Playback::Update LivePlayback::update(Clock::TimePoint) {
+  const bool ended = source_->refusal().has_value();
   const std::lock_guard lock(mutex_);
   if (!playing_ && given_.frame) return {given_.frame};
-  Update update{ready_.frame};
+  Update update{.frame = ready_.frame, .ended = ended};
   if (ready_.frame && ready_.order != given_.order) {
     const std::int64_t delay = static_cast<std::int64_t>(unix_time_us()) -
                                static_cast<std::int64_t>(ready_.frame->time_us);

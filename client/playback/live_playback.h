@@ -59,6 +59,8 @@ class LivePlayback : public Playback {
   std::optional<std::int64_t> delay_us() const;
 
   LiveCounts counts() const { return source_->counts(); }
+  /// As LiveSource::refusal. update() says that playing has ended then.
+  std::optional<Error> refusal() const { return source_->refusal(); }
 
   /// Stands still, once there is a picture. Frames that come meanwhile are left out.
   void pause() { playing_ = false; }

@@ -234,6 +234,16 @@ Stage::Update Stage::update(Clock::TimePoint now) {
   return update;
 }
 
+std::optional<Error> Stage::refusal() const {
+  std::optional<Error> first;
+  for (const Part& part : parts_) {
+    auto why = part.live() != nullptr ? part.live()->refusal() : std::nullopt;
+    if (!why) return std::nullopt;
+    if (!first) first = std::move(why);
+  }
+  return first;
+}
+
 std::vector<Stage::Placed> sources_of(const std::vector<std::string>& paths) {
   std::vector<Stage::Placed> sources;
   std::vector<std::filesystem::path> files;

@@ -102,6 +102,8 @@ class Stage {
     std::optional<Clock::TimePoint> due = {};  ///< the earliest of all sources
   };
   Update update(Clock::TimePoint now);
+  /// Why the servers of all sources have refused this viewer; none if something plays.
+  std::optional<Error> refusal() const;
   /// Puts a frame into the scene, whatever time it is.
   std::vector<Change> take(std::size_t source, std::shared_ptr<const SceneFrame> frame);
   const Scene& scene() const { return scene_; }

@@ -44,6 +44,9 @@ class LiveSource {
 
   /// One line while nothing comes because the link or the publisher is down.
   virtual std::optional<std::string> trouble() const = 0;
+  /// Why nothing will come, ever: the server refused this viewer before anything came, because of
+  /// its token. The waits of hello() and next() have ended then.
+  virtual std::optional<Error> refusal() const { return std::nullopt; }
   virtual LiveCounts counts() const = 0;
 
   /// Ends the waits of hello() and next(), now and later.

@@ -52,6 +52,11 @@ class WebSocketLiveSource : public LiveSource {
   std::optional<LiveFrame> next(milliseconds timeout) override { return assembler_.next(timeout); }
   LiveCounts counts() const override { return assembler_.counts(); }
 
+  std::optional<Error> refusal() const override {
+    const std::lock_guard lock(mutex_);
+    return refusal_;
+  }
+
   void set_on_sound(OnSound on_sound) override {
     const std::lock_guard lock(sound_mutex_);
     on_sound_ = std::move(on_sound);
@@ -83,6 +88,9 @@ class WebSocketLiveSource : public LiveSource {
         connect_timeout.succeeded();
         if (std::exchange(connected_before, true)) assembler_.reconnected();
         if (receive(**socket)) pause.succeeded();
+      } else if (!connected_before && is_refusal(socket.error())) {
+        refused(socket.error());
+        return;
       } else {
         connect_timeout.failed();
         set_trouble(reason(socket.error()));
@@ -90,6 +98,19 @@ class WebSocketLiveSource : public LiveSource {
       wait(pause.wait());
       pause.failed();
     }
+  }
+
+  static bool is_refusal(const ConnectError& error) {
+    return error.status == 401 || error.status == 403;
+  }
+
+  void refused(const ConnectError& error) {
+    {
+      const std::lock_guard lock(mutex_);
+      refusal_ = error;
+    }
+    set_trouble(error.message);
+    assembler_.cancel();
   }
 
   /// Receives until the connection ends. True if anything came.
@@ -178,6 +199,7 @@ class WebSocketLiveSource : public LiveSource {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<std::string> trouble_;
+  std::optional<Error> refusal_;
   bool bad_text_ = false;  ///< the last text was invalid; only the thread uses it
   std::minstd_rand random_{std::random_device{}()};
   std::thread thread_;

@@ -178,7 +178,10 @@ class WindowPlayer {
       Stage::Update update;
       if (session_.stage()) update = session_.stage()->update(now);
       session_.follow_time(controls_.settings());
-      if (update.ended) break;
+      if (update.ended) {
+        if (auto why = session_.stage()->refusal()) fail_with(why->message);
+        break;
+      }
       update_due_ = update.due;
       TRY(draw_round(update, input, now));
     }

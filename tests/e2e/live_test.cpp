@@ -234,16 +234,21 @@ TEST(Live, a_recording_stops_while_it_cannot_be_written_and_then_continues) {
 TEST(Live, publishers_and_viewers_give_up_where_their_own_certificate_file_is_wrong) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_ply(folder.path() / "frame.ply", spiral(0)));
-  const std::string file = (folder.path() / "frame.ply").string();
   const std::string url = "wss://127.0.0.1:9/live/stage";
-  for (const Outcome& outcome :
-       {run("pointreel-server",
-            {"publish", "-i", folder.path().string(), "--to", url, "--ca-file", file}),
-        run("pointreel", {"play", url, "--ca-file", file, "--offscreen", "64x64"})}) {
-    EXPECT_EQ(outcome.exit_code, 1);
-    EXPECT_THAT(outcome.err, testing::HasSubstr(file + ": holds no certificates"));
-    EXPECT_THAT(outcome.err, testing::Not(testing::HasSubstr("trying again")));
-  }
+  const auto expect = [&](const char* name, int exit_code, const std::string& fault) {
+    const std::string file = (folder.path() / name).string();
+    for (const Outcome& outcome :
+         {run("pointreel-server",
+              {"publish", "-i", folder.path().string(), "--to", url, "--ca-file", file}),
+          run("pointreel", {"play", url, "--ca-file", file, "--offscreen", "64x64"})}) {
+      EXPECT_EQ(outcome.exit_code, exit_code);
+      EXPECT_THAT(outcome.err, testing::HasSubstr(fault));
+      EXPECT_THAT(outcome.err, testing::HasSubstr(file));
+      EXPECT_THAT(outcome.err, testing::Not(testing::HasSubstr("trying again")));
+    }
+  };
+  expect("frame.ply", 1, "holds no certificates");
+  expect("missing.pem", 2, "does not exist");
 }
 
 TEST(Live, a_publisher_without_the_token_is_refused_and_gives_up) {
@@ -263,6 +268,22 @@ TEST(Live, a_publisher_without_the_token_is_refused_and_gives_up) {
   const Outcome taken = run("pointreel-server", with_token);
   EXPECT_EQ(taken.exit_code, 0) << taken.err;
   EXPECT_THAT(taken.out, testing::HasSubstr("\"frames\": 1,"));
+}
+
+TEST(Live, a_viewer_without_the_token_is_refused_and_gives_up) {
+  Background server("pointreel-server",
+                    {"serve", "--live", "--view-token", "secret", "--listen", "127.0.0.1:0"});
+  const std::string address = server_address(server);
+  ASSERT_FALSE(address.empty());
+  const std::string stage = "ws://" + address + "/live/stage", other = stage + "2";
+  for (const auto& sources : {std::vector{stage}, std::vector{stage, other}}) {
+    std::vector<std::string> play{"play", "--token", "wrong", "--offscreen", "64x64"};
+    play.insert(play.end(), sources.begin(), sources.end());
+    const Outcome refused = run("pointreel", play);
+    EXPECT_EQ(refused.exit_code, 1);
+    EXPECT_THAT(refused.err, testing::HasSubstr("401: it requires a valid token"));
+    EXPECT_THAT(refused.err, testing::Not(testing::HasSubstr("trying again")));
+  }
 }
 
 }  // namespace

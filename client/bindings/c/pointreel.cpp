@@ -439,6 +439,7 @@ pointreel_status pointreel_live_next(pointreel_live* handle, uint32_t timeout_ms
     auto next = live->source->next(std::chrono::milliseconds(timeout_ms));
     if (live->stop.stop_requested() || limits.stop.stop_requested())
       return fail(ErrorCode::cancelled, "waiting for a frame was cancelled");
+    if (!next && live->source->refusal()) return tl::unexpected(*live->source->refusal());
     if (!next) return failed(POINTREEL_TIMEOUT, "no frame has come by then");
     TRY(give_frame(decode_live(std::move(*next), limits), frame));
     return POINTREEL_OK;

@@ -156,6 +156,19 @@ class Codec(unittest.TestCase):
         for frame in reel:
             self.assertEqual(frame.scalars["height"].shape, (len(frame),))
 
+    def test_the_size_of_voxels_follows_delta_and_that_of_steps_what_is_given(self):
+        positions, _, _ = ball(points=100_000)
+        height = {"height": positions[:, 2]}
+        counts = [len(pointreel.decode(pointreel.encode(positions, delta=delta)))
+                  for delta in (0.01, 0.5)]
+        self.assertGreaterEqual(counts[0], 99_000)
+        self.assertLess(counts[1], 90_000)
+        for step in (0.5, 0.001):
+            frame = pointreel.decode(pointreel.encode(positions, scalars=height,
+                                                      scalar_steps={"height": step}))
+            values = frame.scalars["height"] / step
+            np.testing.assert_allclose(values, np.rint(values), atol=1e-2)
+
     def test_draco_and_files_are_decoded(self):
         frame = pointreel.decode(pointreel.encode(lattice(), codec="draco"))
         self.assertEqual(len(frame), 1000)
@@ -197,6 +210,7 @@ class Codec(unittest.TestCase):
         positions, colors, normals = ball()
         for wrong in ({"codec": "zip"}, {"depth": 30}, {"voxel": -1.0}, {"color_quality": 101},
                       {"depth": 5, "voxel": 0.1}, {"codec": "draco", "fast": True},
+                      {"delta": 2.0}, {"delta": 0.1, "depth": 5}, {"scalar_steps": {"a": 0.0}},
                       {"origin": (np.inf, 0, 0)}):
             with self.assertRaises(pointreel.Error, msg=wrong) as raised:
                 pointreel.encode(positions, **wrong)
@@ -381,9 +395,56 @@ class Packages(TemporaryFolder):
         self.assertGreater(np.ptp(picture.astype(int), axis=(0, 1)).max(), 0)
         self.assertLess((small != small[0, 0]).sum(), (picture != picture[0, 0]).sum())
         for wrong in ({"mode": "oil"}, {"size": (0, 5)}, {"size": (1 << 20, 5)}, {"up": "w"},
-                      {"zoom": 0.0}, {"view": (0, 100)}):
+                      {"zoom": 0.0}, {"view": (0, 100)}, {"color": "taste"}, {"light": "moon"},
+                      {"target": (float("nan"), 0, 0)}):
             with self.assertRaises(pointreel.Error, msg=wrong):
                 pointreel.render(reel[0], **wrong)
+
+    def test_pictures_are_drawn_of_arrays_in_all_ways(self):
+        positions, colors, normals = ball()
+        height = {"height": positions[:, 2]}
+        points = pointreel.Points(positions, colors, normals, scalars=height)
+        frame = pointreel.decode(pointreel.encode(*points[:3], scalars=height))
+        pictures = set()
+        for options in ({}, {"mode": "strip"}, {"color": "height"}, {"color": "normals"},
+                        {"color": "plain"}, {"color": "plain", "light": "none"},
+                        {"color": "plain", "light": "studio"}, {"target": (0.5, 0.0, 0.0)}):
+            of_arrays, of_frame = (pointreel.render(item, size=(64, 64), **options).astype(int)
+                                   for item in (points, frame))
+            self.assertLess(np.abs(of_arrays - of_frame).mean(), 6.0, options)
+            pictures.add(of_arrays.tobytes())
+        self.assertEqual(len(pictures), 8, "each way looks different")
+
+    def test_noisy_scans_are_cleaned_with_the_help_of_other_frames(self):
+        noise = np.random.default_rng(1)
+
+        def scan(time):
+            positions, colors, normals = ball(points=20_000)
+            off = noise.normal(scale=0.02, size=(len(positions), 1))
+            return pointreel.Points(positions + off * normals, colors, normals, time=time)
+
+        def error(points):
+            return np.std(np.linalg.norm(points.positions + np.asarray(points.origin), axis=1))
+
+        scans = [scan(time) for time in (0.0, 0.5, 1.5, 1.75)]
+        alone = list(pointreel.clean(scans, before=0, after=0))
+        together = list(pointreel.clean(scans))
+        self.assertEqual([points.time for points in together], [0.0, 0.5, 1.5, 1.75])
+        for one, two in zip(alone, together):
+            self.assertLess(error(one), 0.5 * error(scans[0]))
+            self.assertLess(error(two), 0.8 * error(one))
+        given = []
+        live = pointreel.clean((given.append(points) or points for points in scans), after=0)
+        next(live)
+        self.assertEqual(len(given), 1, "a camera's frame does not wait for the next one")
+        self.assertEqual(pointreel.pack(together, self.folder / "reel"), 4)
+        np.testing.assert_allclose(pointreel.open(self.folder / "reel").times,
+                                   [0.0, 0.5, 1.5, 1.75])
+        lattices = list(pointreel.clean([lattice()] * 3))
+        self.assertEqual(rows(lattices[1].positions), rows(lattice()), "not a scan")
+        for wrong in ({"radius": 0.0}, {"before": 5}):
+            with self.assertRaises(pointreel.Error, msg=wrong):
+                list(pointreel.clean(scans, **wrong))
 
 
 class Servers(TemporaryFolder):

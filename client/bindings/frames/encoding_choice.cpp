@@ -15,8 +15,10 @@ Result<void> check_range(int value, int most, const char* what) {
 }
 
 Result<EncodingOptions> draco_of(const EncodingChoice& choice) {
-  if (choice.voxel != 0.0 || choice.color_quality != 0 || choice.normal_quality != 0 || choice.fast)
-    return fail(ErrorCode::argument, "Draco has no voxels, qualities or fast frames");
+  if (choice.voxel != 0.0 || choice.delta != 0.0 || choice.color_quality != 0 ||
+      choice.normal_quality != 0 || choice.fast || !choice.scalar_steps.empty())
+    return fail(ErrorCode::argument,
+                "Draco has no voxels, delta, qualities, fast frames or scalar fields");
   DracoOptions draco;
   if (choice.depth != 0) draco.position_bits = choice.depth;
   EncodingOptions options;
@@ -33,6 +35,18 @@ Result<EncodingOptions> encoding_of(const EncodingChoice& choice) {
   if (choice.codec == Codec::draco) return draco_of(choice);
   OctreeOptions octree;
   if (choice.depth != 0) octree.depth = DepthRule::fixed(choice.depth);
+  if (choice.delta != 0.0) {
+    if (!(choice.delta > 0.0 && choice.delta < 1.0))
+      return fail(ErrorCode::argument, "delta is not a share between 0 and 1");
+    if (choice.depth != 0 || choice.voxel != 0.0)
+      return fail(ErrorCode::argument, "delta excludes depth and voxel");
+    octree.depth = DepthRule::by_delta(choice.delta);
+  }
+  for (const auto& [name, step] : choice.scalar_steps) {
+    if (!is_scalar_name(name) || !(step > 0.0 && std::isfinite(step)))
+      return fail(ErrorCode::argument, "scalar_steps are steps above 0, by the names of fields");
+  }
+  octree.scalar_steps = choice.scalar_steps;
   if (choice.color_quality != 0) octree.color_quality = choice.color_quality;
   if (choice.normal_quality != 0) octree.normal_quality = choice.normal_quality;
   if (choice.fast) octree.entropy = Entropy::zstd;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +18,7 @@
 
 #include "client/bindings/frames/encoded_bytes.h"
 #include "client/bindings/frames/encoding_choice.h"
+#include "client/bindings/frames/frame_cleaner.h"
 #include "client/bindings/frames/frame_publisher.h"
 #include "client/bindings/frames/point_arrays.h"
 #include "client/bindings/frames/read_ahead.h"
@@ -65,7 +67,8 @@ ReadLimits read_limits(std::optional<std::uint32_t> layers,
 }
 
 EncodingOptions encoding(const std::string& codec, int depth, double voxel, int color_quality,
-                         int normal_quality, bool fast) {
+                         int normal_quality, bool fast, double delta,
+                         const std::map<std::string, double>& scalar_steps) {
   EncodingChoice choice;
   if (codec == name(Codec::draco)) {
     choice.codec = Codec::draco;
@@ -77,6 +80,8 @@ EncodingOptions encoding(const std::string& codec, int depth, double voxel, int 
   choice.color_quality = color_quality;
   choice.normal_quality = normal_quality;
   choice.fast = fast;
+  choice.delta = delta;
+  for (const auto& [field, step] : scalar_steps) choice.scalar_steps.push_back({field, step});
   return value_or_raise(encoding_of(choice));
 }
 
@@ -171,10 +176,13 @@ class PyLive {
     std::optional<LiveFrame> frame = until_signalled(
         [&](std::chrono::milliseconds time) -> std::optional<std::optional<LiveFrame>> {
           auto newest = source_->next(time);
-          if (newest || (end && Clock::now() >= *end)) return newest;
+          if (newest || source_->refusal() || (end && Clock::now() >= *end)) return newest;
           return std::nullopt;
         });
-    if (!frame) return std::nullopt;
+    if (!frame) {
+      if (auto refusal = source_->refusal()) raise(*std::move(refusal));
+      return std::nullopt;
+    }
     const ReadLimits limits = read_limits(layers, max_memory);
     return PyFrame{without_gil([&] { return decode_live(std::move(*frame), limits); })};
   }
@@ -262,6 +270,44 @@ class PyPublisher {
   std::unique_ptr<FramePublisher> publisher_;
 };
 
+class PyCleaner {
+ public:
+  PyCleaner(std::optional<double> radius, std::size_t before, std::size_t after)
+      : cleaner_([&] {
+          FrameCleaner::Options options{.before = before, .after = after};
+          options.clean.radius = radius;
+          return value_or_raise(FrameCleaner::make(options));
+        }()) {}
+
+  void add(const Positions& positions, const Attribute& colors, const Attribute& normals,
+           const Vector& origin, const py::dict& scalars, std::optional<double>) {
+    add(cloud_of(positions, colors, normals, to_glm(origin), scalars));
+  }
+  void add_frame(const PyFrame& frame, std::optional<double>) {
+    add(PointCloud(frame.frame->cloud));
+  }
+  void end() { cleaner_.end(); }
+  std::optional<PyFrame> next() {
+    SharedFrame frame = without_gil([&] { return cleaner_.next(); });
+    return frame ? std::optional(PyFrame{std::move(frame)}) : std::nullopt;
+  }
+
+ private:
+  void add(PointCloud cloud) {
+    without_gil([&] { return cleaner_.add(std::move(cloud)); });
+  }
+
+  FrameCleaner cleaner_;
+};
+
+/// The points of arrays as a frame, to be drawn.
+PyFrame frame_of(const Positions& positions, const Attribute& colors, const Attribute& normals,
+                 const Vector& origin, const py::dict& scalars) {
+  auto frame = std::make_shared<PointFrame>();
+  frame->cloud = cloud_of(positions, colors, normals, to_glm(origin), scalars);
+  return {std::move(frame)};
+}
+
 py::bytes encode(const Positions& positions, const Attribute& colors, const Attribute& normals,
                  const Vector& origin, const py::dict& scalars, const EncodingOptions& options) {
   const PointCloud cloud = cloud_of(positions, colors, normals, to_glm(origin), scalars);
@@ -289,17 +335,36 @@ PyFrame decode(const py::buffer& data, std::optional<std::uint32_t> layers,
 py::array picture(const PyFrame& frame, int width, int height, const std::string& mode,
                   std::optional<std::array<double, 2>> view, double zoom, const std::string& up,
                   const std::optional<std::array<Vector, 2>>& bounds,
-                  const std::array<float, 3>& background) {
+                  const std::array<float, 3>& background, const std::string& color,
+                  const std::string& light, const std::optional<Vector>& target) {
   PictureOptions options;
   options.size = {width, height};
   const auto known_mode = parse_enum<DrawMode>(mode);
-  if (!known_mode) raise({"mode is surfel, voxel or point, not " + mode, ErrorCode::argument});
+  if (!known_mode)
+    raise({"mode is surfel, voxel, point or strip, not " + mode, ErrorCode::argument});
   options.mode = *known_mode;
   options.up = up_of(up);
   if (view) options.view = glm::dvec2((*view)[0], (*view)[1]);
   options.zoom = zoom;
   if (bounds) options.box = {to_glm((*bounds)[0]), to_glm((*bounds)[1])};
   options.background = {background[0], background[1], background[2]};
+  if (const auto source = parse_enum<ColorSource>(color)) {
+    options.color = *source;
+  } else if (std::ranges::find(frame.frame->cloud.scalars, color, &ScalarField::name) !=
+             frame.frame->cloud.scalars.end()) {
+    options.scalar = color;
+  } else {
+    raise(
+        {"color is not one of those that help(render) names, and the frame has no such scalar "
+         "field: " +
+             color,
+         ErrorCode::argument});
+  }
+  if (light != "flat" && light != "studio" && light != "none")
+    raise({"light is flat, studio or none, not " + light, ErrorCode::argument});
+  options.lit = light != "none";
+  options.light = light == "studio" ? Light::studio : Light::flat;
+  if (target) options.target = to_glm(*target);
   const Image image = without_gil([&] { return picture_of(*frame.frame, options); });
   py::array_t<std::uint8_t> array({height, width, 3});
   std::memcpy(array.mutable_data(), image.pixels.data(), image.pixels.size() * 3);
@@ -401,6 +466,16 @@ PYBIND11_MODULE(_native, module) {
       .def("sent", &PyPublisher::sent)
       .def("accepted", &PyPublisher::accepted);
 
+  py::class_<PyCleaner>(module, "Cleaner")
+      .def(py::init<std::optional<double>, std::size_t, std::size_t>())
+      .def("add",
+           py::overload_cast<const Positions&, const Attribute&, const Attribute&, const Vector&,
+                             const py::dict&, std::optional<double>>(&PyCleaner::add))
+      .def("add_frame", &PyCleaner::add_frame)
+      .def("end", &PyCleaner::end)
+      .def("next", &PyCleaner::next);
+
+  module.def("frame", &frame_of);
   module.def("encode", &encode);
   module.def("decode", &decode);
   module.def("picture", &picture);

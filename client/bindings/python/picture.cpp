@@ -7,6 +7,7 @@
 #include "client/prepare/prepare.h"
 #include "client/render/software/software_renderer.h"
 #include "client/scene/camera.h"
+#include "codec/core/scalar_fields.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
 #include "common/threads/tbb_executor.h"
@@ -24,7 +25,19 @@ Result<void> check(const PictureOptions& options) {
     return fail(ErrorCode::argument, "zoom is above 0");
   if (options.view && !(std::isfinite(options.view->x) && std::abs(options.view->y) <= 90.0))
     return fail(ErrorCode::argument, "a view is a yaw, and a pitch of -90 to 90 degrees");
+  if (options.target && !(std::isfinite(glm::dot(*options.target, *options.target))))
+    return fail(ErrorCode::argument, "a target is three numbers");
   return {};
+}
+
+Result<SceneFrame> prepare_points(const PointFrame& frame, const PrepareOptions& options) {
+  FrameInfo info = frame.info;
+  if (info.scalars.empty()) info.scalars = ranges_of(frame.cloud);
+  if (!frame.fetched.file.empty() || !frame.fetched.layers.empty())
+    return prepare_frame(frame.fetched, info, options);
+  DecodedFrame decoded;
+  decoded.cloud = frame.cloud;
+  return prepare_decoded(std::move(decoded), info, options);
 }
 
 }  // namespace
@@ -34,8 +47,9 @@ Result<Image> picture_of(const PointFrame& frame, const PictureOptions& options)
   return or_out_of_memory([&]() -> Result<Image> {
     PrepareOptions prepare;
     prepare.mode = options.mode;
-    auto scene =
-        std::make_shared<SceneFrame>(TRY(prepare_frame(frame.fetched, frame.info, prepare)));
+    prepare.scalar.field = options.scalar;
+    prepare.show_normals = options.color == ColorSource::normals;
+    auto scene = std::make_shared<SceneFrame>(TRY(prepare_points(frame, prepare)));
     const FrameBoxes& boxes = scene->boxes;
     const Box box = !options.box.empty()  ? options.box
                     : !boxes.main.empty() ? boxes.main
@@ -48,12 +62,16 @@ Result<Image> picture_of(const PointFrame& frame, const PictureOptions& options)
       camera.yaw = camera.pitch = 0.0;
       camera.orbit(radians.x, radians.y);
     }
+    if (options.target) camera.target = *options.target;
     camera.zoom(1.0 / options.zoom);
     DrawOptions draw;
     draw.mode = options.mode;
     draw.refine = true;
     draw.smooth_outlines = true;
     draw.background = options.background;
+    draw.color = options.color;
+    draw.lighting = options.lit;
+    draw.light = options.light;
     SoftwareRenderer renderer(tbb_executor());
     TRY(renderer.draw(std::move(scene), camera, options.size, draw));
     return renderer.read_pixels();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include <glm/glm.hpp>
 
@@ -19,7 +20,13 @@ struct PictureOptions {
   std::optional<glm::dvec2> view;  ///< yaw and pitch in degrees; absent: from slightly above
   double zoom = 1.0;               ///< > 0; 1 shows all of the box
   Up up = 'y';
-  Box box;  ///< what the camera looks at; empty: the frame's points, but for strays
+  std::optional<glm::dvec3> target;  ///< what the camera looks at; absent: the middle of the box
+  /// Where the colours come from; a scalar field comes before it.
+  ColorSource color = ColorSource::colors;
+  std::string scalar;
+  bool lit = true;
+  Light light = Light::flat;
+  Box box;  ///< what the picture shows; empty: the frame's points, but for strays
   glm::vec3 background = DrawOptions{}.background;  ///< sRGB, 0 to 1
 };
 

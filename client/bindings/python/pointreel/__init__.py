@@ -14,9 +14,10 @@ let other threads run while they fetch, decode or encode. Ctrl-C ends them.
 
 from __future__ import annotations
 
+import collections
 import json
 import os
-from typing import (Any, Dict, Iterable, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple,
+from typing import (Any, Deque, Dict, Iterable, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple,
                     Union, overload)
 
 import numpy as np
@@ -26,7 +27,7 @@ from . import _native
 from ._native import Error, Frame, __version__
 
 __all__ = ["Error", "Frame", "Frames", "Points", "Reel", "Live", "Publisher", "open", "live",
-           "encode", "decode", "pack", "publish", "render", "__version__"]
+           "encode", "decode", "clean", "pack", "publish", "render", "__version__"]
 
 
 class Points(NamedTuple):
@@ -261,27 +262,33 @@ def live(url: str, *, timeout: Optional[float] = None, layers: Optional[int] = N
     return Live(_native.Live(url, token, ca_file, follow_redirects), timeout, layers, max_memory)
 
 
-def _encoding(codec: str, depth: Optional[int], voxel: Optional[float],
-              color_quality: Optional[int], normal_quality: Optional[int],
-              fast: bool) -> _native.Encoding:
+def _encoding(codec: str, depth: Optional[int], voxel: Optional[float], delta: Optional[float],
+              color_quality: Optional[int], normal_quality: Optional[int], fast: bool,
+              scalar_steps: Optional[Mapping[str, float]]) -> _native.Encoding:
     return _native.Encoding(codec, depth or 0, voxel or 0.0, color_quality or 0,
-                            normal_quality or 0, fast)
+                            normal_quality or 0, fast, delta or 0.0, dict(scalar_steps or {}))
 
 
 def encode(positions: Any, colors: Any = None, normals: Any = None, *,
            origin: Tuple[float, float, float] = (0.0, 0.0, 0.0), codec: str = "octree",
            depth: Optional[int] = None, voxel: Optional[float] = None,
-           color_quality: Optional[int] = None, normal_quality: Optional[int] = None,
-           fast: bool = False, scalars: Optional[Mapping[str, Any]] = None) -> bytes:
+           delta: Optional[float] = None, color_quality: Optional[int] = None,
+           normal_quality: Optional[int] = None, fast: bool = False,
+           scalars: Optional[Mapping[str, Any]] = None,
+           scalar_steps: Optional[Mapping[str, float]] = None) -> bytes:
     """Encodes a single frame; `decode` reads it. The arrays are those of `Points`.
 
     codec: octree or draco. depth: levels of the octree, or bits of Draco's positions. voxel: the
-    edge of a voxel instead. color_quality, normal_quality: of octrees, 1 to 100, at which colours
-    are lossless. fast: an octree that decodes in half the time and is 25 % larger.
+    edge of a voxel instead. delta: instead of both, the share of the points, 0.05 by default, that
+    may fall into the voxel of another. color_quality, normal_quality: of octrees, 1 to 100, at which
+    colours are lossless. fast: an octree that decodes in half the time and is 25 % larger.
+    scalar_steps: of scalar fields by name, in what steps their values are kept; by default exactly,
+    or in 255 steps.
     """
     arrays = _arrays(Points(positions, colors, normals, origin, scalars=scalars))
     return _native.encode(*arrays,
-                          _encoding(codec, depth, voxel, color_quality, normal_quality, fast))
+                          _encoding(codec, depth, voxel, delta, color_quality, normal_quality, fast,
+                                    scalar_steps))
 
 
 def decode(data: Any, *, layers: Optional[int] = None, max_memory: Optional[int] = None) -> Frame:
@@ -290,11 +297,43 @@ def decode(data: Any, *, layers: Optional[int] = None, max_memory: Optional[int]
     return _native.decode(data, layers, max_memory)
 
 
+def clean(frames: Iterable[Any], *, before: int = 2, after: int = 2,
+          radius: Optional[float] = None) -> Iterator[Points]:
+    """Cleans noisy scans, one frame after another: points move onto the surface that they are
+    samples of, and those without a surface go. Frames that are smooth, or not scans, stay as they
+    are. `for points in pointreel.clean(reel): ...`
+
+    frames: whatever `pack` takes. before, after: how many frames on either side help, 0 to 4. Frames
+    of a camera are not to wait for later ones: `after=0`. radius: within which the surface is
+    smoothed, in the unit of the points; by default as much as the noise asks for.
+    """
+    cleaner = _native.Cleaner(radius, before, after)
+    times: Deque[Optional[float]] = collections.deque()
+
+    def cleaned() -> Iterator[Points]:
+        while True:
+            frame = cleaner.next()
+            if frame is None:
+                return
+            yield Points(frame.positions, frame.colors, frame.normals,
+                         tuple(frame.origin.tolist()), times.popleft(), frame.scalars)
+
+    for item in frames:
+        if not isinstance(item, Frame):
+            item = _points_of(item)
+        times.append(item.time if isinstance(item, Points) else None)
+        _give(item, cleaner.add, cleaner.add_frame)
+        yield from cleaned()
+    cleaner.end()
+    yield from cleaned()
+
+
 def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: float = 30.0,
          name: str = "", up: str = "y", replace: bool = False, segment: int = 30,
          codec: str = "octree", depth: Optional[int] = None, voxel: Optional[float] = None,
-         color_quality: Optional[int] = None, normal_quality: Optional[int] = None,
-         fast: bool = False) -> int:
+         delta: Optional[float] = None, color_quality: Optional[int] = None,
+         normal_quality: Optional[int] = None, fast: bool = False,
+         scalar_steps: Optional[Mapping[str, float]] = None) -> int:
     """Writes a package, which players and servers take, and returns how many frames it has.
 
     frames: for each frame its positions, (positions, colors), (positions, colors, normals),
@@ -302,9 +341,10 @@ def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: floa
     Open3D's PointCloud. They may come from a generator: only a segment of them is held.
 
     The package is complete or absent, whatever fails. replace: one that is already there. segment:
-    frames that share a file. The rest is as for `encode`.
+    frames that share a file. The rest is as for `encode`. Noisy scans: `pack(clean(frames), path)`.
     """
-    encoding = _encoding(codec, depth, voxel, color_quality, normal_quality, fast)
+    encoding = _encoding(codec, depth, voxel, delta, color_quality, normal_quality, fast,
+                         scalar_steps)
     writer = _native.Writer(os.fspath(path), name, fps, up, replace, segment, encoding)
     count = 0
     for item in frames:
@@ -376,31 +416,39 @@ class Publisher:
 
 def publish(url: str, *, token: str = "", ca_file: str = "", name: str = "", fps: float = 30.0,
             up: str = "y", codec: str = "octree", depth: Optional[int] = None,
-            voxel: Optional[float] = None, color_quality: Optional[int] = None,
-            normal_quality: Optional[int] = None, fast: bool = True) -> Publisher:
+            voxel: Optional[float] = None, delta: Optional[float] = None,
+            color_quality: Optional[int] = None, normal_quality: Optional[int] = None,
+            fast: bool = True, scalar_steps: Optional[Mapping[str, float]] = None) -> Publisher:
     """Publishes frames as they come: `with pointreel.publish(url) as stream: stream.send(frame)`.
 
     url: ws(s)://HOST/live/NAME on a server that was started with --live. token: the server's for
     publishers. fps: the nominal frame rate. A lost connection is restored. The rest is as for
     `encode`, but octrees are `fast` by default.
     """
-    encoding = _encoding(codec, depth, voxel, color_quality, normal_quality,
-                         fast and codec == "octree")
+    encoding = _encoding(codec, depth, voxel, delta, color_quality, normal_quality,
+                         fast and codec == "octree", scalar_steps)
     return Publisher(_native.Publisher(url, token, ca_file, name, fps, up, encoding))
 
 
-def render(frame: Frame, *, size: Tuple[int, int] = (1280, 720), mode: str = "surfel",
+def render(frame: Any, *, size: Tuple[int, int] = (1280, 720), mode: str = "surfel",
            view: Optional[Tuple[float, float]] = None, zoom: float = 1.0, up: str = "y",
-           bounds: Any = None,
+           bounds: Any = None, target: Optional[Tuple[float, float, float]] = None,
+           color: str = "colors", light: str = "flat",
            background: Tuple[float, float, float] = (0.11, 0.12, 0.14)) -> NDArray[np.uint8]:
     """Draws a frame without a display or a graphics card: uint8, height x width x 3, sRGB.
 
-    mode: surfel, voxel or point. view: yaw and pitch of the camera in degrees, (0, 0) from the
-    front; by default slightly from above. bounds: what the camera looks at, 2 x 3; give
-    `reel.bounds` to draw several frames alike. up: the axis that points up, as `reel.up`.
+    frame: a `Frame`, or whatever `pack` takes. mode: surfel, voxel, point or strip. view: yaw and
+    pitch of the camera in degrees, (0, 0) from the front; by default slightly from above. bounds:
+    what the picture shows, 2 x 3; give `reel.bounds` to draw several frames alike. target: what the
+    camera looks at, by default the middle of that. up: the axis that points up, as `reel.up`.
+    color: colors, normals, plain, curvature, accessibility, depth, contours, or the name of a scalar
+    field. light: flat, studio or none.
     """
+    if not isinstance(frame, Frame):
+        frame = _native.frame(*_arrays(_points_of(frame)))
     if bounds is not None:
         bounds = np.asarray(bounds, dtype=np.float64).tolist()
     return _native.picture(frame, int(size[0]), int(size[1]), mode,
                            None if view is None else list(map(float, view)), zoom, up, bounds,
-                           list(map(float, background)))
+                           list(map(float, background)), color, light,
+                           None if target is None else list(map(float, target)))

@@ -31,7 +31,7 @@ async function unlessStalled<T>(coming: Promise<T>, ms = STALL_MS): Promise<T> {
 /** What a person should know of an answer that is not the content. */
 export function refusal(response: Response): string {
   if (response.status === 401)
-    return "the server wants a valid token: #token=TOKEN at the end of the address, or the attribute `token`";
+    return "the server wants a valid token: #token=TOKEN at the end of the address, or the attribute token of the player";
   return `the server answers ${response.status} ${response.statusText}`.trim();
 }
 
@@ -112,7 +112,7 @@ export class Fetcher {
       const fits = range === null || range === `bytes ${from}-${to - 1}/${size}`;
       if (response.status === 206 && fits && body.length === to - from) return body;
       if (++senseless > MOST_SENSELESS) throw new FetchError(`${path}: the server's answer to a range makes no sense`);
-      throw new Error("an answer made no sense");
+      throw new Error(`${path}: an answer makes no sense`);
     });
   }
 

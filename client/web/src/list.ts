@@ -38,6 +38,9 @@ function search(cards: HTMLElement, none: HTMLElement): HTMLElement {
   return field;
 }
 
+/** Of entries that cannot be shown, the first. */
+const MOST_FAULTS = 5;
+
 interface Listed { packages?: Reel[]; streams?: Stream[] }
 
 /** What the server lists; or, if it serves files and nothing else, the file that `pointreel-server page` has written. */
@@ -69,18 +72,28 @@ export async function showList(root: HTMLElement, base: URL, token: string | nul
     stream.protocol = base.protocol.replace("http", "ws");
     if (publishing) posters.add(picture, stream.href);
   }
-  for (const { name, url, manifest, duration_us, frames, bytes, changed_us, captured_us = changed_us } of packages) {
-    const link = within(base, url.replace(/\/(reel\.json)?$/, ""));
+  const addReel = ({ name, url, manifest, duration_us, frames, bytes, changed_us, captured_us = changed_us }: Reel): void => {
+    const poster = within(base, manifest), link = within(base, url.replace(/\/(reel\.json)?$/, ""));
     const played = new URL(`index.html?reel=${encodeURIComponent(`${link.pathname.slice(base.pathname.length)}/reel.json`)}`, base);
     const picture = add(fromFile ? played : link, name,
                         `${timeText(duration_us)}, ${frames} ${frames === 1 ? "frame" : "frames"}, ${bytesText(bytes)}` +
                           (captured_us === undefined ? "" : `, ${dayText(captured_us)}`), false);
-    posters.add(picture, within(base, manifest).href);
+    posters.add(picture, poster.href);
+  };
+  const faults: string[] = [];
+  for (const reel of packages) {
+    try {
+      addReel(reel);
+    } catch (error) {
+      const why = error instanceof TypeError ? "its entry makes no sense" : (error as Error).message;
+      faults.push(`${reel?.name ?? "A reel without a name"} is left out: ${why}`);
+    }
   }
   const none = element("p", { hidden: "" }, "None of the reels and live streams has these words.");
   root.replaceChildren(element("main", { class: "list" }, element("h1", {}, "Pointreel"),
     ...(cards.childElementCount > 0 ? [search(cards, none), none, cards]
-                                    : [element("p", {}, "This server has no reels and no live streams.")])));
+                                    : [element("p", {}, "This server has no reels and no live streams.")]),
+    ...faults.slice(0, MOST_FAULTS).map((fault) => element("p", { class: "fault" }, fault))));
 }
 
 /**
@@ -119,7 +132,7 @@ class Posters {
 }
 
 async function drawPoster(picture: Element, src: string, token: string | null): Promise<void> {
-  const player = element("pointreel-player", { src, class: "drawing", ...(token ? { token } : {}) }) as PointreelPlayer;
+  const player = element("pointreel-player", { src, class: "drawing", muted: "", ...(token ? { token } : {}) }) as PointreelPlayer;
   picture.append(player);
   await new Promise<void>((resolve) => {
     const end = () => resolve();

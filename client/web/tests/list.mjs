@@ -12,7 +12,9 @@ const reels = Array.from({ length: REELS }, (_, i) => join(folder, `reel${i}`));
 for (const reel of reels) symlinkSync(join(folder, "reel"), reel);
 const requests = [];
 const { server, port } = await serve(join(build, "web"), reels, requests);
-const files = await serve(join(build, "web"), reels.slice(0, 2), [], { plain: true });
+const files = await serve(join(build, "web"), reels.slice(0, 2), [], {
+  plain: true, others: [null, { name: "foreign", url: "https://elsewhere.example/a", manifest: "https://elsewhere.example/a/reel.json" }],
+});
 const browser = await openBrowser();
 
 test("reels on the screen get their pictures one by one, and the others when one scrolls to them", async () => {
@@ -45,6 +47,9 @@ test("reels on the screen get their pictures one by one, and the others when one
 test("where a server serves files and nothing else, the list is reels.json, and there is a way back to it", async () => {
   const { tab, close } = await openTab(browser, `http://127.0.0.1:${files.port}/`);
   await until(tab, () => document.querySelectorAll(".cards a").length === 2, "two reels");
+  assert.deepEqual(await tab.evaluate(() => [...document.querySelectorAll(".fault")].map((line) => line.textContent)),
+                   ["A reel without a name is left out: its entry makes no sense",
+                    "foreign is left out: it names an address elsewhere, https://elsewhere.example"]);
   assert.equal(await tab.evaluate(`document.querySelector(".cards a").getAttribute("href").replace(/^.*\\/index/, "index")`),
                "index.html?reel=reel0%2Freel.json");
   await tab.goto(await tab.evaluate(() => document.querySelector(".cards a").href));

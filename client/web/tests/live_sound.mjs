@@ -47,7 +47,7 @@ const trouble = (tab) => ask(tab, "player.player.trouble");
  */
 async function watch(tab) {
   await moves(tab);
-  await tab.mouse.click(60, 40);
+  await tab.mouse.click(200, 40);
   await until(tab, () => !Number.isNaN(document.querySelector("pointreel-player").player.live[0].sound.delayMs), "sound is heard", WAIT);
   await tab.evaluate(async () => {
     const { player } = document.querySelector("pointreel-player"), { paint, renderer: { gl } } = player;
@@ -165,10 +165,12 @@ test("what is muted from the start is not sent before it is wanted", async () =>
   const frames = await ask(tab, "player.player.live[0].frames");
   await until(tab, `document.querySelector("pointreel-player").player.live[0].frames > ${frames} + 3`, "the stream moves on", WAIT);
   assert.equal(await trouble(tab), null);
-  await tab.mouse.click(60, 40);
+  await tab.mouse.click(200, 40);
   await tab.keyboard.press("M");
   assert.equal(await ask(tab, "player.player.content.liveSounds.output.sink.gain.gain.value"), 0);
-  assert.deepEqual(addresses, ["", "?sound"]);
+  // The picture in the list asks for no sound either.
+  assert.deepEqual([...new Set(addresses)], ["", "?sound"]);
+  assert.equal(addresses.indexOf("?sound"), addresses.length - 1);
   await close();
   for (const program of [publisher, server]) await program.end();
 });
@@ -193,7 +195,7 @@ test("damaged sound is one line, and pictures go on", async () => {
   }));
   await tab.reload();
   await moves(tab);
-  await tab.mouse.click(60, 40);
+  await tab.mouse.click(200, 40);
   const says = (text) => until(tab, `document.querySelector("pointreel-player").shadowRoot.querySelector(".trouble:not([hidden])")
     ?.textContent === ${JSON.stringify(text)} || ${JSON.stringify(text)} === "" && document.querySelector("pointreel-player").player.trouble === null`,
     `the page says "${text}"`, WAIT);

@@ -62,6 +62,12 @@ test("the page and a reel come from nginx alone", async () => {
   await close();
 });
 
+test("a page of one's own may lie beside the reels", async () => {
+  writeFileSync(join(site, "my.html"), "<title>my page</title>");
+  assert.match(await (await fetch(`${url}/my.html`)).text(), /my page/);
+  assert.equal((await fetch(`${url}/other.html`)).status, 404);
+});
+
 test("the address of the folder lists the packages, and that of a package plays it", async () => {
   const { tab, close } = await openTab(browser, `${url}/`);
   await until(tab, () => document.querySelectorAll(".cards a").length === 1, "the list");

@@ -18,8 +18,9 @@ const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker
  * `ranges`: false sends whole files, whatever is asked for.
  * `silent`: whether a request for this path is never answered.
  * `plain`: serves files and nothing else: "/" is the page for everybody, and the list is reels.json.
+ * `others`: more entries of the list.
  */
-export function serve(page, reels, requests = [], { damage = null, ranges = true, silent = () => false, plain = false } = {}) {
+export function serve(page, reels, requests = [], { damage = null, ranges = true, silent = () => false, plain = false, others = [] } = {}) {
   const folders = new Map(reels.map((reel) => [basename(reel), reel]));
   const list = () => JSON.stringify({
     packages: [...folders].map(([name, folder]) => {
@@ -28,7 +29,7 @@ export function serve(page, reels, requests = [], { damage = null, ranges = true
                codec: reel.codec, changed_us: Date.UTC(2026, 0, 31, 12) * 1000,
                ...(name.endsWith("7") ? { captured_us: Date.UTC(2025, 6, 1, 12) * 1000 } : {}), frames: reel.segments.reduce((n, s) => n + s.times_us.length, 0),
                bytes: readdirSync(folder).reduce((n, f) => n + statSync(join(folder, f)).size, 0) };
-    }),
+    }).concat(others),
     streams: [],
   });
   const server = createServer((request, response) => {

@@ -34,7 +34,8 @@ constexpr unsigned turned_child(unsigned child, unsigned orientation) {
 
 using Masks = std::array<std::array<std::uint8_t, 256>, kCount>;
 
-constexpr Masks make_masks(bool back) {
+/// Not constexpr: compilers would take seconds for it in each source that includes this.
+inline Masks make_masks(bool back) {
   Masks all{};
   for (unsigned o = 0; o < kCount; ++o) {
     for (unsigned child = 0; child < 8; ++child) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <fstream>
 #include <string>
 #include <system_error>
@@ -18,6 +17,7 @@
 #include "client/options/option_text.h"
 #include "common/base/json_value.h"
 #include "common/base/try.h"
+#include "common/file_system/user_folder.h"
 
 namespace pointreel {
 namespace {
@@ -140,11 +140,8 @@ Result<void> replace(const fs::path& file, const std::string& text) {
 }  // namespace
 
 fs::path default_settings_file() {
-  const char *config = std::getenv("XDG_CONFIG_HOME"), *home = std::getenv("HOME");
-  // The XDG Base Directory Specification calls relative paths invalid.
-  if (config != nullptr && config[0] == '/') return fs::path(config) / "pointreel/player.json";
-  if (home != nullptr && home[0] == '/') return fs::path(home) / ".config/pointreel/player.json";
-  return {};
+  const fs::path folder = user_folder("XDG_CONFIG_HOME", ".config");
+  return folder.empty() ? fs::path() : folder / "player.json";
 }
 
 Result<void> parse_settings(std::string_view text, Settings& settings) {

@@ -1,6 +1,5 @@
 #include "server/publish/kept_identity.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
@@ -13,18 +12,12 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "common/file_system/user_folder.h"
+
 namespace pointreel {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Empty if the user has none.
-fs::path state_folder() {
-  const char *state = std::getenv("XDG_STATE_HOME"), *home = std::getenv("HOME");
-  if (state != nullptr && fs::path(state).is_absolute()) return fs::path(state) / "pointreel";
-  if (home == nullptr || !fs::path(home).is_absolute()) return {};
-  return fs::path(home) / ".local" / "state" / "pointreel";
-}
 
 std::string read_text(int file) {
   char text[64];
@@ -35,7 +28,7 @@ std::string read_text(int file) {
 }  // namespace
 
 KeptIdentity::KeptIdentity(const std::string& url) {
-  const fs::path state = state_folder();
+  const fs::path state = user_folder("XDG_STATE_HOME", ".local/state");
   if (state.empty()) return;
   const fs::path folder = state / "publishers";
   std::error_code error;

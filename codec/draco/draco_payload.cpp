@@ -42,10 +42,7 @@ Result<void> check(const PointCloud& cloud, const Cube& cube, const DracoOptions
     return fail(ErrorCode::argument, concat("--cl ", options.compression_level,
                                             " is not between 0 and ", kMaxCompressionLevel));
   }
-  if (!is_codable(cube)) {
-    return fail(ErrorCode::argument,
-                concat("a cube with the edge ", cube.edge, " cannot be coded: scale the points"));
-  }
+  TRY(check_codable(cube));
   if (cloud.size() > kMaxPoints) {
     return fail(ErrorCode::limit, concat(cloud.size(), " points are more than the ", kMaxPoints,
                                          " that a Draco frame can hold: thin them out"));

@@ -36,6 +36,12 @@ bool is_codable(const Cube& cube) {
          std::isfinite(cube.origin.z) && cube.edge >= 1e-30 && cube.edge <= 1e30;
 }
 
+Result<void> check_codable(const Cube& cube) {
+  if (is_codable(cube)) return {};
+  return fail(ErrorCode::argument,
+              concat("a cube with the edge ", cube.edge, " cannot be coded: scale the points"));
+}
+
 void write_frame_header(const FrameHeader& header, FrameTag tag, Bytes& out) {
   const std::size_t begin = out.size();
   ByteWriter writer(out);

@@ -59,6 +59,8 @@ using FrameTag = std::uint32_t;
 /// True if the cube's corner is finite and its edge is between 1e-30 and 1e30, so that positions
 /// relative to it are finite floats that can tell its cells apart.
 bool is_codable(const Cube& cube);
+/// The same for points that are to be encoded, as an error (`argument`).
+Result<void> check_codable(const Cube& cube);
 
 void write_frame_header(const FrameHeader& header, FrameTag tag, Bytes& out);
 

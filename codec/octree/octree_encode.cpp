@@ -109,11 +109,7 @@ Result<void> check(const PointCloud& cloud, const Cube& cube, const OctreeOption
       return refused(concat("the step of a scalar field, ", step.step, ", is not above 0"));
   }
   if (options.scalars) TRY(check_scalars(cloud));
-  if (!is_codable(cube)) {
-    return refused(
-        concat("a cube with the edge ", cube.edge, " cannot be coded: scale the points"));
-  }
-  return {};
+  return check_codable(cube);
 }
 
 Result<EncodedFrame> encode(const PointCloud& cloud, const Cube& cube, const OctreeOptions& options,

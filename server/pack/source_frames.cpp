@@ -13,7 +13,6 @@
 #include "codec/octree/frame_header.h"
 #include "codec/package/strays.h"
 #include "common/base/try.h"
-#include "common/base/words.h"
 
 namespace pointreel {
 namespace {
@@ -155,12 +154,8 @@ Result<SourceFrame> SourceFrames::load(std::size_t frame) const {
   place(source.cloud, options_.placement);
   const Box box = bounds(source.cloud);
   if (const glm::dvec3 extent = box.extent(); std::max({extent.x, extent.y, extent.z}) > 1.0) {
-    const Cube cube = bounding_cube(box);
-    if (!is_codable(cube)) {
-      return fail(ErrorCode::invalid,
-                  fmt::format("{}: a cube with the edge {} cannot be coded: scale the points",
-                              name(frame), number_text(cube.edge)));
-    }
+    if (const auto codable = check_codable(bounding_cube(box)); !codable)
+      return fail(ErrorCode::invalid, fmt::format("{}: {}", name(frame), codable.error().message));
   }
   return source;
 }

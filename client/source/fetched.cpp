@@ -39,12 +39,13 @@ std::uint64_t FetchedFrame::size() const {
 
 namespace {
 
-/// Video is fetched by whole groups.
-FileRange group_range(const LayerFile& file, std::uint32_t frame, std::uint32_t group_frames) {
-  const std::uint32_t first = frame / group_frames * group_frames;
-  const std::size_t count = std::min<std::size_t>(group_frames, file.frames.size() - first);
+/// Video is fetched by whole groups. `frame` is the frame's index in the file, `before` how many
+/// of the group are before it.
+FileRange group_range(const LayerFile& file, std::uint32_t frame, std::uint32_t before,
+                      std::uint32_t frames) {
+  const std::uint32_t first = frame - before;
   return {&file, byte_range(file, first).offset, file.frames[frame],
-          std::span(file.frames).subspan(first, count), frame - first};
+          std::span(file.frames).subspan(first, frames), before};
 }
 
 }  // namespace
@@ -60,7 +61,8 @@ Result<std::vector<FileRange>> ranges_of(const Manifest& manifest, std::uint32_t
     const LayerFile& file = segment.layers[i];
     Chunks<std::uint32_t> sizes = file.frames[place.index];
     if (i > 0 && manifest.group_frames > 0) {
-      ranges.push_back(group_range(file, place.index, manifest.group_frames));
+      const FrameGroup group = group_of(manifest, frame);
+      ranges.push_back(group_range(file, place.index, frame - group.first, group.frames));
       bytes += ranges.back().bytes();
       continue;
     }

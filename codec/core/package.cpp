@@ -33,6 +33,14 @@ FrameLocation locate(const Manifest& manifest, std::uint32_t frame) {
   return {segment, frame - manifest.segments[segment].first_frame};
 }
 
+FrameGroup group_of(const Manifest& manifest, std::uint32_t frame) {
+  if (manifest.group_frames == 0) return {frame, 1};
+  const FrameLocation place = locate(manifest, frame);
+  const std::uint32_t before = place.index % manifest.group_frames;
+  const std::uint32_t left = manifest.segments[place.segment].frame_count() - place.index;
+  return {frame - before, std::min(manifest.group_frames, before + left)};
+}
+
 ByteRange byte_range(const LayerFile& file, std::uint32_t index) {
   ByteRange range;
   for (std::uint32_t i = 0; i < index; ++i) range.offset += total(file.frames[i]);

@@ -65,10 +65,9 @@ struct Cut {
 };
 
 Cut cut_at(const CutOptions& options, const Manifest& manifest, CutRange frames) {
-  Cut cut{locate(manifest, frames.first), locate(manifest, frames.last), options.from_us,
-          std::min(options.to_us, manifest.duration_us)};
   // Video needs the frames before in its group, which are over when the first wanted one begins.
-  if (manifest.group_frames > 0) cut.first.index -= cut.first.index % manifest.group_frames;
+  Cut cut{locate(manifest, group_of(manifest, frames.first).first), locate(manifest, frames.last),
+          options.from_us, std::min(options.to_us, manifest.duration_us)};
   if (!options.frames) return cut;
   if (frames.first > 0) cut.begin_us = frame_time_us(manifest, frames.first);
   if (frames.last + 1 < manifest.frame_count())

@@ -84,7 +84,7 @@ Result<DecodedFrame> FrameDecoder::decode(const std::vector<Chunks<ByteView>>& l
 
 Result<PointCloud> FrameDecoder::decode_video(const PackageFiles& files, const Manifest& manifest,
                                               std::uint32_t frame, bool voxels) const {
-  const std::uint32_t begin = frame - locate(manifest, frame).index % manifest.group_frames;
+  const std::uint32_t begin = group_of(manifest, frame).first;
   DecodeLimits limits;
   limits.max_memory = max_memory_;
   limits.executor = tbb_executor();

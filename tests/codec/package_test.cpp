@@ -250,6 +250,21 @@ TEST(Manifest, locates_frames_and_their_bytes) {
   EXPECT_EQ(byte_range(m.segments[0].layers[1], 1).size, 300u);
 }
 
+TEST(Manifest, groups_of_frames_end_with_their_segment) {
+  Manifest m = example();
+  const auto expect_group = [&](std::uint32_t frame, std::uint32_t first, std::uint32_t frames) {
+    const FrameGroup group = group_of(m, frame);
+    EXPECT_EQ(group.first, first) << frame;
+    EXPECT_EQ(group.frames, frames) << frame;
+  };
+  expect_group(1, 1, 1);
+  m.group_frames = 2;
+  expect_group(1, 0, 2);
+  expect_group(2, 2, 1);
+  m.group_frames = 24;
+  expect_group(1, 0, 2);
+}
+
 TEST(Manifest, finds_the_last_frame_that_has_begun) {
   const Manifest m = example();
   EXPECT_EQ(frame_time_us(m, 2), 66733u);

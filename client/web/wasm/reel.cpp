@@ -134,13 +134,8 @@ const PrSegment* pr_reel_segment(const PrReel* reel, std::uint32_t frame) {
 
 const PrGroup* pr_reel_group(const PrReel* reel, std::uint32_t frame) {
   static PrGroup group;
-  const Manifest& manifest = reel->manifest;
-  const FrameLocation place = locate(manifest, frame);
-  const std::uint32_t length = std::max(1u, manifest.group_frames);
-  const std::uint32_t before = place.index % length;
-  const std::uint32_t rest = manifest.segments[place.segment].frame_count() - place.index;
-  group = {static_cast<double>(frame - before),
-           static_cast<double>(std::min(length, before + rest))};
+  const FrameGroup found = group_of(reel->manifest, frame);
+  group = {static_cast<double>(found.first), static_cast<double>(found.frames)};
   return &group;
 }
 

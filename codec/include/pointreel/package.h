@@ -168,6 +168,13 @@ struct FrameLocation {
 /// `frame` < manifest.frame_count().
 FrameLocation locate(const Manifest& manifest, std::uint32_t frame);
 
+/// Frames of a reel that are decoded one after another.
+struct FrameGroup {
+  std::uint32_t first = 0, frames = 1;
+};
+/// The group of a frame, < manifest.frame_count(). Only video has groups of several frames.
+FrameGroup group_of(const Manifest& manifest, std::uint32_t frame);
+
 struct ByteRange {
   std::uint64_t offset = 0, size = 0;
 };

@@ -104,6 +104,7 @@ std::optional<NumpyColumn> column_of(std::string_view descr) {
   if (size > kMostItem) return std::nullopt;
   const auto type = number_type(kind, size);
   column.readable = type.has_value();
+  column.object = kind == 'O';
   column.type = type.value_or(NumberType::uint8);
   column.size = size;
   return column;
@@ -113,6 +114,7 @@ bool add_column(NumpyColumn column, NumpyHeader& header) {
   column.offset = header.item_size;
   if (column.count > kMostItem) return false;
   header.item_size += column.count * column.size;
+  header.pickled |= column.object;
   header.columns.push_back(std::move(column));
   return header.item_size <= kMostItem && header.columns.size() <= kMostColumns;
 }

@@ -17,6 +17,7 @@ struct NumpyColumn {
   std::size_t offset = 0;  ///< in the item, in bytes
   std::size_t count = 1;   ///< of numbers
   bool readable = true;    ///< no text, object, complex number or time
+  bool object = false;
   NumberType type = NumberType::float32;
   std::size_t size = 4;  ///< of one of them, in bytes; 2 for half floats, whose type is float32
   bool swapped = false;  ///< big endian
@@ -26,6 +27,7 @@ struct NumpyColumn {
 struct NumpyHeader {
   std::vector<NumpyColumn> columns;  ///< one, unless the array is structured
   std::size_t item_size = 0;         ///< in bytes
+  bool pickled = false;              ///< some are objects: the items are no plain bytes
   bool by_columns = false;           ///< as Fortran has arrays: the first index varies fastest
   std::vector<std::uint64_t> shape;
   std::size_t begin = 0;  ///< where the items are, from the first byte of the header

@@ -182,6 +182,10 @@ TEST(Numpy, what_is_no_cloud_is_told) {
   EXPECT_THAT(error_of(npy("|O", "(2, 3)", kTwo)), HasSubstr("no array of positions"));
   EXPECT_THAT(error_of(npz({{"a", npy("<f4", "(2, 3)", kTwo)}, {"b", npy("<f4", "(2, 3)", kTwo)}})),
               HasSubstr("it has a (2, 3), b (2, 3)"));
+  // With one field of objects, numpy pickles all.
+  EXPECT_THAT(error_of(npy("[('x', '<u2'), ('y', '<u2'), ('z', '<u2'), ('label', '|O')]", "(2,)",
+                           std::vector<std::uint8_t>(28))),
+              HasSubstr("it has positions (2,) of objects"));
   EXPECT_EQ(error_of(npy("<f4", "(5, 3)", kTwo)), "positions (5, 3) ends after 24 of 60 bytes");
   EXPECT_EQ(error_of(npz({{"readme", Bytes(20, 'a')}})), "readme: is not an array of numpy");
   Bytes cut = npz({{"points", npy("<f4", "(2, 3)", kTwo)}});

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -286,17 +287,27 @@ class PyCleaner {
   void add_frame(const PyFrame& frame, std::optional<double>) {
     add(PointCloud(frame.frame->cloud));
   }
-  void end() { cleaner_.end(); }
+  void end() {
+    const std::lock_guard lock(mutex_);
+    cleaner_.end();
+  }
   std::optional<PyFrame> next() {
-    SharedFrame frame = without_gil([&] { return cleaner_.next(); });
+    SharedFrame frame = without_gil([&] {
+      const std::lock_guard lock(mutex_);
+      return cleaner_.next();
+    });
     return frame ? std::optional(PyFrame{std::move(frame)}) : std::nullopt;
   }
 
  private:
   void add(PointCloud cloud) {
-    without_gil([&] { return cleaner_.add(std::move(cloud)); });
+    without_gil([&] {
+      const std::lock_guard lock(mutex_);
+      return cleaner_.add(std::move(cloud));
+    });
   }
 
+  std::mutex mutex_;
   FrameCleaner cleaner_;
 };
 

@@ -50,6 +50,10 @@ try {
                           : `Chromium made no picture of the page: ${error.message}`);
   process.exitCode = isMissing ? 77 : 1;
 }
-browser.removeAllListeners("exit").kill();
+// It ends when its pipes do. What was started may be a script, which would end alone by a signal.
+browser.removeAllListeners("exit");
+for (const pipe of [3, 4]) browser.stdio[pipe]?.destroy();
+const patience = setTimeout(() => browser.kill(), 5000);
 await new Promise((resolve) => (browser.exitCode === null && browser.pid ? browser.once("exit", resolve) : resolve()));
+clearTimeout(patience);
 rmSync(profile, { recursive: true, force: true, maxRetries: 10, retryDelay: 100 });  // its processes end after it

@@ -133,7 +133,7 @@ struct NumpyTable {
 /// Nothing if it has objects, no rows, or rows of rows.
 std::optional<NumpyTable> numpy_table(std::size_t index, std::string name, NumpyHeader header) {
   std::vector<std::uint64_t> shape = header.shape;
-  if (header.pickled) return std::nullopt;
+  if (header.is_pickled()) return std::nullopt;
   while (shape.size() > 2 && shape.front() == 1) shape.erase(shape.begin());
   NumpyTable table{index, std::move(name), std::move(header)};
   if (shape.empty() || shape.size() > 2) return std::nullopt;
@@ -214,7 +214,7 @@ Result<NumpyContents> look_into(ByteView bytes) {
     if (!begin) return at_array(begin.error());
     Result<NumpyHeader> header = read_numpy_header(*begin);
     if (!header) return at_array(header.error());
-    const std::string shape = header->shape_text() + (header->pickled ? " of objects" : "");
+    const std::string shape = header->shape_text() + (header->is_pickled() ? " of objects" : "");
     all += concat(all.empty() ? "" : ", ", printable(name), " ", shape);
     if (auto table = numpy_table(i, name, std::move(*header))) {
       contents.tables.push_back(std::move(*table));

@@ -1,5 +1,6 @@
 #include "codec/files/numpy_header.h"
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
 #include <string_view>
@@ -114,7 +115,6 @@ bool add_column(NumpyColumn column, NumpyHeader& header) {
   column.offset = header.item_size;
   if (column.count > kMostItem) return false;
   header.item_size += column.count * column.size;
-  header.pickled |= column.object;
   header.columns.push_back(std::move(column));
   return header.item_size <= kMostItem && header.columns.size() <= kMostColumns;
 }
@@ -183,6 +183,11 @@ bool read_dictionary(Literal literal, NumpyHeader& header) {
 }
 
 }  // namespace
+
+bool NumpyHeader::is_pickled() const {
+  return std::any_of(columns.begin(), columns.end(),
+                     [](const NumpyColumn& column) { return column.object; });
+}
 
 std::string NumpyHeader::shape_text() const {
   std::string text = "(";

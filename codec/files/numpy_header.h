@@ -17,7 +17,7 @@ struct NumpyColumn {
   std::size_t offset = 0;  ///< in the item, in bytes
   std::size_t count = 1;   ///< of numbers
   bool readable = true;    ///< no text, object, complex number or time
-  bool object = false;
+  bool object = false;     ///< of Python
   NumberType type = NumberType::float32;
   std::size_t size = 4;  ///< of one of them, in bytes; 2 for half floats, whose type is float32
   bool swapped = false;  ///< big endian
@@ -27,11 +27,12 @@ struct NumpyColumn {
 struct NumpyHeader {
   std::vector<NumpyColumn> columns;  ///< one, unless the array is structured
   std::size_t item_size = 0;         ///< in bytes
-  bool pickled = false;              ///< some are objects: the items are no plain bytes
   bool by_columns = false;           ///< as Fortran has arrays: the first index varies fastest
   std::vector<std::uint64_t> shape;
   std::size_t begin = 0;  ///< where the items are, from the first byte of the header
 
+  /// With objects in some column, numpy pickles the whole array: there are no items.
+  bool is_pickled() const;
   std::string shape_text() const;  ///< "(100, 3)"
 };
 

@@ -19,6 +19,7 @@
 #include "client/record/matroska.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
+#include "common/file_system/write_file.h"
 #include "common/process/ffmpeg.h"
 #include "common/process/ffprobe.h"
 #include "pointreel/package.h"
@@ -177,7 +178,8 @@ Result<void> VideoWriter::finish(std::uint64_t end_us) {
   if (std::rename(part().c_str(), path_.c_str()) == 0) return {};
   const int error = errno;
   std::remove(part().c_str());
-  return fail(ErrorCode::io, fmt::format("{}: cannot be written: {}", path_, std::strerror(error)));
+  return fail(ErrorCode::io,
+              fmt::format("{}: cannot be written: {}", path_, why_not_written(error)));
 }
 
 Result<void> VideoWriter::check(std::uint64_t end_us) const {
@@ -186,7 +188,7 @@ Result<void> VideoWriter::check(std::uint64_t end_us) const {
   const bool stored = file >= 0 && fsync(file) == 0;
   const int error = errno;
   if (file >= 0) close(file);
-  if (!stored) return failed(std::strerror(error));
+  if (!stored) return failed(why_not_written(error));
   std::map<int, Track> tracks;
   std::string duration;
   const auto probed = run_ffprobe(

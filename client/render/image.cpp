@@ -2,6 +2,8 @@
 
 #include <png.h>
 
+#include "common/file_system/write_file.h"
+
 namespace pointreel {
 
 Result<void> write_png(const std::string& path, const Image& image) {
@@ -12,10 +14,11 @@ Result<void> write_png(const std::string& path, const Image& image) {
   png.format = PNG_FORMAT_RGB;
   // Recording many pictures should not wait for the best compression.
   png.flags = PNG_IMAGE_FLAG_FAST;
-  if (!png_image_write_to_file(&png, path.c_str(), 0, image.pixels.data(), 0, nullptr)) {
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+  Bytes bytes(size);
+  if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr))
     return fail(ErrorCode::io, path + ": cannot be written: " + png.message);
-  }
-  return {};
+  return write_file(path, ByteView(bytes).first(size));
 }
 
 }  // namespace pointreel

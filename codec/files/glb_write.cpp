@@ -14,6 +14,7 @@
 
 #include "codec/files/glb_format.h"
 #include "common/base/try.h"
+#include "common/file_system/write_file.h"
 #include "pointreel/version.h"
 
 namespace pointreel {
@@ -226,7 +227,7 @@ GlbWriter::~GlbWriter() {
 
 Result<void> GlbWriter::failed() const {
   return fail(ErrorCode::io,
-              fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
+              fmt::format("{}: cannot be written: {}", path_.string(), why_not_written(errno)));
 }
 
 Result<void> GlbWriter::append(const void* bytes, std::uint64_t size) {

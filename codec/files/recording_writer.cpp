@@ -13,6 +13,7 @@
 #include "codec/files/point_records.h"
 #include "common/base/byte_io.h"
 #include "common/base/try.h"
+#include "common/file_system/write_file.h"
 #include "pointreel/version.h"
 
 namespace pointreel {
@@ -197,7 +198,7 @@ Result<void> RecordingWriter::append(const Bytes& bytes) {
   if (!file_.write(reinterpret_cast<const char*>(bytes.data()),
                    static_cast<std::streamsize>(bytes.size()))) {
     return fail(ErrorCode::io,
-                fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
+                fmt::format("{}: cannot be written: {}", path_.string(), why_not_written(errno)));
   }
   size_ += bytes.size();
   return {};

@@ -117,6 +117,11 @@ class HttpLiveSource : public LiveSource {
     on_sound_ = std::move(on_sound);
   }
 
+  std::optional<Error> refusal() const override {
+    const std::lock_guard lock(mutex_);
+    return refusal_;
+  }
+
   std::optional<std::string> trouble() const override {
     if (auto link = client_.trouble()) return link;
     const std::lock_guard lock(mutex_);
@@ -142,6 +147,7 @@ class HttpLiveSource : public LiveSource {
           client_.get_if_changed(folder_.manifest(), kMaxManifestBytes, tag, stop_.get_token());
       if (!text) {
         if (stop_.stop_requested()) return;
+        if (!session_ && text.error().code == ErrorCode::refused) return refused(text.error());
         set_trouble(text.error().message + "; waiting");
       } else if (*text) {
         auto manifest =
@@ -158,6 +164,15 @@ class HttpLiveSource : public LiveSource {
       }
       wait(pause);
     }
+  }
+
+  void refused(const Error& error) {
+    {
+      const std::lock_guard lock(mutex_);
+      refusal_ = error;
+    }
+    set_trouble(error.message);
+    assembler_.cancel();
   }
 
   /// Fetches what is new in the manifest. Returns how long to wait before the next request for it.
@@ -367,6 +382,7 @@ class HttpLiveSource : public LiveSource {
   mutable std::mutex mutex_;  ///< guards what follows
   std::condition_variable changed_;
   std::optional<std::string> trouble_;
+  std::optional<Error> refusal_;
   std::deque<WaitingFrame> waiting_;
   std::uint64_t waiting_bytes_ = 0;
   std::jthread fetcher_, pacer_;

@@ -88,7 +88,7 @@ class WebSocketLiveSource : public LiveSource {
         connect_timeout.succeeded();
         if (std::exchange(connected_before, true)) assembler_.reconnected();
         if (receive(**socket)) pause.succeeded();
-      } else if (!connected_before && is_refusal(socket.error())) {
+      } else if (!connected_before && socket.error().code == ErrorCode::refused) {
         refused(socket.error());
         return;
       } else {
@@ -100,11 +100,7 @@ class WebSocketLiveSource : public LiveSource {
     }
   }
 
-  static bool is_refusal(const ConnectError& error) {
-    return error.status == 401 || error.status == 403;
-  }
-
-  void refused(const ConnectError& error) {
+  void refused(const Error& error) {
     {
       const std::lock_guard lock(mutex_);
       refusal_ = error;
@@ -170,8 +166,8 @@ class WebSocketLiveSource : public LiveSource {
     }
   }
 
-  std::string reason(const ConnectError& error) const {
-    if (error.status == 404) return url_ + ": nobody publishes it; waiting";
+  std::string reason(const Error& error) const {
+    if (error.code == ErrorCode::not_found) return url_ + ": nobody publishes it; waiting";
     return error.message + "; trying again";
   }
 

@@ -34,8 +34,8 @@ constexpr auto kReasonTime = 500ms;
 constexpr LiveQueueOptions kQueueOptions{.tell_drops = false};
 
 /// Errors that another attempt does not change, such as a wrong address or token.
-bool is_final(int status) {
-  return status >= 400 && status < 500 && status != 408 && status != 429;
+bool is_final(ErrorCode code) {
+  return code == ErrorCode::argument || code == ErrorCode::refused || code == ErrorCode::not_found;
 }
 
 /// The numbers of a layer's frame and of the layer itself, from its header.
@@ -128,8 +128,7 @@ void Outbox::run(const std::stop_token& stop) {
       restart();
       serve(**socket, stop);
     } else if (!stop.stop_requested()) {
-      const bool is_ours = socket.error().code == ErrorCode::argument;
-      if (is_ours || is_final(socket.error().status)) {
+      if (is_final(socket.error().code)) {
         const std::lock_guard lock(mutex_);
         failure_ = socket.error();
         changed_.notify_all();

@@ -18,6 +18,8 @@ const char* name(ErrorCode code) {
       return "io";
     case ErrorCode::cancelled:
       return "cancelled";
+    case ErrorCode::refused:
+      return "refused";
   }
   return "invalid";
 }

@@ -7,6 +7,7 @@
 
 #include "common/base/words.h"
 #include "common/http/store_error.h"
+#include "common/net/http_status.h"
 #include "common/net/untrusted.h"
 #include "common/net/url.h"
 
@@ -77,7 +78,7 @@ HttpFailure failure_of_status(long status, std::string_view answer) {
                    code.empty() ? fmt::format("the server answers {}{}", status, explain(status))
                                 : fmt::format("the store answers {} ({})", status, code),
                    advice_for(code));
-  if (status == 404) failed.error.code = ErrorCode::not_found;
+  failed.error.code = code_of_status(status);
   return failed;
 }
 
@@ -88,12 +89,13 @@ HttpFailure failure_of_store_redirect(long status, std::string_view answer) {
   return failed;
 }
 
-HttpFailure failure_of_transfer(int code, const HttpOptions& options, std::uint64_t came,
-                                std::string_view said) {
+HttpFailure failure_of_transfer(int code, std::string_view url, const HttpOptions& options,
+                                std::uint64_t came, std::string_view said) {
   const auto because = [kind = kind_of(static_cast<CURLcode>(code))](std::string what,
                                                                      std::string advice = {}) {
     return http_failure(kind, std::move(what), std::move(advice));
   };
+  const char* const if_it_uses_tls = url.starts_with("http:") ? "if it uses TLS, use https://" : "";
   switch (static_cast<CURLcode>(code)) {
     case CURLE_URL_MALFORMAT:
       return because("is not a valid address");
@@ -105,8 +107,9 @@ HttpFailure failure_of_transfer(int code, const HttpOptions& options, std::uint6
       return because(fmt::format("no connection within {:g} s",
                                  static_cast<double>(options.connect_timeout.count()) / 1000),
                      "check host and port");
-    case CURLE_PARTIAL_FILE:
     case CURLE_GOT_NOTHING:
+      return because("the server closed the connection without an answer", if_it_uses_tls);
+    case CURLE_PARTIAL_FILE:
     case CURLE_RECV_ERROR:
     case CURLE_SEND_ERROR:
       return because(fmt::format("the connection broke after {}", counted(came, "byte")));
@@ -116,6 +119,11 @@ HttpFailure failure_of_transfer(int code, const HttpOptions& options, std::uint6
     }
     case CURLE_SSL_CACERT_BADFILE:
       return because(fault_of_certificates(options.ca_file));
+    case CURLE_SSL_CONNECT_ERROR:
+      return because("the TLS handshake failed", "if the server does not use TLS, use http://");
+    case CURLE_UNSUPPORTED_PROTOCOL:
+    case CURLE_WEIRD_SERVER_REPLY:
+      return because("the answer is not HTTP", if_it_uses_tls);
     case CURLE_TOO_MANY_REDIRECTS:
       return because("the server redirects again and again", "check the address");
     case CURLE_OUT_OF_MEMORY:

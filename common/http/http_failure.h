@@ -17,7 +17,7 @@ struct HttpFailure {
     passing,   ///< no connection, a broken one, no answer in time, 5xx
   };
   Kind kind;
-  Error error;              ///< not_found for 404, unsupported where ranges are, else io
+  Error error;              ///< code_of_status(), unsupported where ranges are, else io
   std::string advice = {};  ///< what to do about it, if there is anything
 };
 
@@ -30,10 +30,10 @@ HttpFailure failure_of_status(long status, std::string_view answer);
 /// The failure of a signed request that is to be made elsewhere: a signature is for one address.
 HttpFailure failure_of_store_redirect(long status, std::string_view answer);
 
-/// The failure that a CURLcode stands for. `came`: bytes of the body that came before.
-/// `said`: libcurl's own words, or nothing.
-HttpFailure failure_of_transfer(int code, const HttpOptions& options, std::uint64_t came,
-                                std::string_view said);
+/// The failure of a request for `url` that a CURLcode stands for. `came`: bytes of the body that
+/// came before. `said`: libcurl's own words, or nothing.
+HttpFailure failure_of_transfer(int code, std::string_view url, const HttpOptions& options,
+                                std::uint64_t came, std::string_view said);
 
 /// The one line in which a failure is reported: the address, what is wrong, and what to do.
 /// `attempts`: how many were made.

@@ -248,6 +248,11 @@ std::optional<HttpFailure> HttpTransfer::finish(int code) {
         Kind::final,
         fmt::format("the server redirects from https to {}", without_secrets(redirect_.to)),
         "that is not followed, because it is not secure");
+  if (redirect_.verdict == Redirect::Verdict::not_http)
+    return http_failure(
+        Kind::final,
+        fmt::format("the server redirects to {}, which is not an http:// or https:// address",
+                    without_secrets(redirect_.to)));
   if (redirect_.verdict == Redirect::Verdict::another_host)
     return http_failure(
         Kind::final,
@@ -268,7 +273,8 @@ std::optional<HttpFailure> HttpTransfer::finish(int code) {
         fmt::format("asked for bytes {} of {}, but the server sends \"{}\": the package has "
                     "changed, or the server is at fault",
                     range_, wanted_.total, content_range_));
-  if (code != CURLE_OK) return failure_of_transfer(code, options_, body_.size(), said_.data());
+  if (code != CURLE_OK)
+    return failure_of_transfer(code, wanted_.url, options_, body_.size(), said_.data());
   if (answered == 304 && !wanted_.tag.empty()) {
     unchanged_ = true;
     return std::nullopt;

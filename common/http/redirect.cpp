@@ -50,7 +50,8 @@ Redirect judge_redirect(const std::string& from, const std::string& location, bo
   const Address asked(from), target(from, location);
   const std::string to = target.whole().empty() ? location : target.whole();
   if (asked.scheme() == "https" && target.scheme() != "https") return {not_secure, to};
-  if (target.host().empty()) return {another_host, to};
+  const std::string scheme = target.scheme();
+  if ((scheme != "http" && scheme != "https") || target.host().empty()) return {not_http, to};
   if (target.host() != asked.host() && !to_other_hosts) return {another_host, to};
   return {};
 }

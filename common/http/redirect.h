@@ -8,8 +8,9 @@ namespace pointreel {
 struct Redirect {
   enum class Verdict {
     follow,
-    another_host,  ///< or no address at all
-    not_secure,    ///< from https to anything else
+    another_host,
+    not_secure,  ///< from https to anything else
+    not_http,    ///< from http to anything but http and https
   };
   Verdict verdict = Verdict::follow;
   std::string to;  ///< for people; empty if it is followed

@@ -15,6 +15,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/ssl/context.hpp>
+#include <boost/asio/ssl/error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/websocket/stream.hpp>
 #include <fmt/format.h>
@@ -23,6 +24,7 @@
 
 #include "common/base/try.h"
 #include "common/net/client_transport.h"
+#include "common/net/http_status.h"
 #include "common/net/lookup.h"
 #include "common/net/untrusted.h"
 
@@ -74,14 +76,13 @@ class Connection : public WebSocket {
     if (thread_.joinable()) thread_.join();
   }
 
-  tl::expected<void, ConnectError> open(const Url& url) {
+  Result<void> open(const Url& url) {
     const std::stop_callback stopping(
         options_.stop, [this] { asio::post(context_, [this] { transport().close(); }); });
     const auto failed = [this](const std::string& what) {
       const bool stopped = options_.stop.stop_requested();
-      return tl::unexpected(ConnectError{
-          {fmt::format("{}: {}", place_, what), stopped ? ErrorCode::cancelled : ErrorCode::io},
-          0});
+      return fail(stopped ? ErrorCode::cancelled : ErrorCode::io,
+                  fmt::format("{}: {}", place_, what));
     };
     const auto begun = std::chrono::steady_clock::now();
     const auto found = look_up(url.host, url.port, options_.connect_timeout, options_.stop);
@@ -101,6 +102,9 @@ class Connection : public WebSocket {
         const auto [what, advice] = untrusted(said);
         return failed(what + "; " + advice);
       }
+      if (error.category() == asio::error::get_ssl_category())
+        return failed("the TLS handshake failed (" + error.message() +
+                      "); if the server does not use TLS, use ws://");
       if (error) return failed("TLS: " + error.message());
     }
 
@@ -115,14 +119,17 @@ class Connection : public WebSocket {
       stream_.async_handshake(response, place_, url.target, done);
     });
     if (error == websocket::error::upgrade_declined) {
-      const auto status = static_cast<int>(response.result_int());
-      return tl::unexpected(ConnectError{
-          {fmt::format("{}: answers {}{}", place_, status,
-                       status == 401 ? ": it requires a valid token; give it with --token"
-                                     : excuse(response.body())),
-           status == 404 ? ErrorCode::not_found : ErrorCode::io},
-          status});
+      const long status = response.result_int();
+      return fail(code_of_status(status),
+                  fmt::format("{}: answers {}{}", place_, status,
+                              status == 401 ? ": it requires a valid token; give it with --token"
+                                            : excuse(response.body())));
     }
+    using HttpError = beast::http::error;
+    if (error == HttpError::bad_version || error == HttpError::partial_message ||
+        error == HttpError::end_of_stream)
+      return failed(std::string("there is no HTTP answer") +
+                    (url.tls() ? "" : "; if the server uses TLS, use wss://"));
     if (error) return failed(error.message());
     websocket::stream_base::timeout timeout{};
     // timer_ limits the closing handshake. Beast's own timer would end a read that waits for the
@@ -409,24 +416,17 @@ Result<void> check_websocket(const std::string& text, const WebSocketOptions& op
   return {};
 }
 
-tl::expected<std::unique_ptr<WebSocket>, ConnectError> WebSocket::connect(
-    const std::string& text, const WebSocketOptions& options) try {
-  const Result<Url> url = parse_websocket_url(text);
-  if (!url) return tl::unexpected(ConnectError{url.error(), 0});
-  const std::string place = url->place();
+Result<std::unique_ptr<WebSocket>> WebSocket::connect(const std::string& text,
+                                                      const WebSocketOptions& options) try {
+  const Url url = TRY(parse_websocket_url(text));
   std::optional<asio::ssl::context> tls;
-  if (url->tls()) {
-    Result<asio::ssl::context> made = client_context(options);
-    if (!made) return tl::unexpected(ConnectError{made.error(), 0});
-    tls = std::move(*made);
-  }
-  auto connection = std::make_unique<Connection>(place, options, tls ? &*tls : nullptr);
-  if (auto open = connection->open(*url); !open) return tl::unexpected(std::move(open.error()));
+  if (url.tls()) tls = TRY(client_context(options));
+  auto connection = std::make_unique<Connection>(url.place(), options, tls ? &*tls : nullptr);
+  TRY(connection->open(url));
   connection->start();
   return connection;
 } catch (const std::exception& error) {
-  return tl::unexpected(
-      ConnectError{{fmt::format("{}: {}", text, error.what()), ErrorCode::io}, 0});
+  return fail(ErrorCode::io, fmt::format("{}: {}", text, error.what()));
 }
 
 }  // namespace pointreel

@@ -44,10 +44,6 @@ struct WebSocketMessage {
   Bytes bytes;
 };
 
-struct ConnectError : Error {
-  int status = 0;  ///< the HTTP status, if the server answered but refused the upgrade
-};
-
 /// Fails with `argument` if WebSocket::connect() would do so, whatever the server does.
 Result<void> check_websocket(const std::string& url, const WebSocketOptions& options);
 
@@ -61,9 +57,9 @@ class WebSocket {
   using Kind = WebSocketMessage::Kind;
 
   /// Errors begin with HOST:PORT. Their codes are `argument` for a bad URL or certificate file,
-  /// `not_found` if the server answers 404, `cancelled`, and otherwise `io`.
-  static tl::expected<std::unique_ptr<WebSocket>, ConnectError> connect(
-      const std::string& url, const WebSocketOptions& options = {});
+  /// code_of_status() if the server answers but does not upgrade, `cancelled`, and otherwise `io`.
+  static Result<std::unique_ptr<WebSocket>> connect(const std::string& url,
+                                                    const WebSocketOptions& options = {});
 
   /// Closes the connection and waits for that, at most half a second.
   virtual ~WebSocket() = default;

@@ -208,7 +208,9 @@ class ObjectStore::Request {
     if (code == CURLE_OPERATION_TIMEDOUT && connected > 0)
       return http_failure(Kind::passing, fmt::format("nothing moved for {} s", kPatience),
                           "check the link");
-    if (code != CURLE_OK) return failure_of_transfer(code, options_, body.size(), said.data());
+    const char* url = "";
+    curl_easy_getinfo(handle, CURLINFO_EFFECTIVE_URL, &url);
+    if (code != CURLE_OK) return failure_of_transfer(code, url, options_, body.size(), said.data());
     if (status < 200)
       return http_failure(Kind::doubtful, fmt::format("the store answers {}", status));
     return std::nullopt;

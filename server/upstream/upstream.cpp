@@ -76,8 +76,7 @@ class Link {
         if (!refused) refusal.succeeded();
       } else {
         connect.failed();
-        const int status = socket.error().status;
-        refused = status >= 400 && status < 500 && status != 404 && status != 408 && status != 429;
+        refused = socket.error().code == ErrorCode::refused;
         tell(socket.error().message);
       }
       wait(refused ? refusal.wait() : pause.wait(), stop);

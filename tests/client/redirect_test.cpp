@@ -38,9 +38,10 @@ TEST(Redirect, leads_to_another_host_only_where_that_is_allowed) {
   }
 }
 
-TEST(Redirect, to_what_is_no_address_is_refused) {
-  for (const char* location : {"http://", "http://[", "http:///x y", "http://a b/"})
-    EXPECT_EQ(verdict("http://reels.example/", location, true), Verdict::another_host) << location;
+TEST(Redirect, to_what_is_not_an_address_of_http_is_refused) {
+  for (const char* location :
+       {"http://", "http://[", "http:///x y", "http://a b/", "file:///etc/passwd", "ftp://a/b"})
+    EXPECT_EQ(verdict("http://reels.example/", location, true), Verdict::not_http) << location;
 }
 
 TEST(Redirect, never_leads_from_https_to_anything_less) {
@@ -83,6 +84,27 @@ TEST(HttpSource, a_redirect_to_another_host_is_refused_before_that_host_is_asked
   follow.follow_redirects = true;
   EXPECT_FALSE(open_source(server.url() + "/walk", follow));
   EXPECT_EQ(target.requests, 1);
+}
+
+TEST(HttpSource, a_redirect_to_what_is_not_http_is_refused_without_advice_to_follow_it) {
+  ScriptedHttpServer server(redirect_to("file:///etc/passwd"));
+  SourceOptions follow;
+  follow.follow_redirects = true;
+  for (const SourceOptions& options : {SourceOptions{}, follow}) {
+    const auto source = open_source(server.url() + "/walk", options);
+    ASSERT_FALSE(source);
+    EXPECT_THAT(source.error().message, HasSubstr("redirects to file:///etc/passwd, which is not"));
+    EXPECT_THAT(source.error().message, testing::Not(HasSubstr("--follow-redirects")));
+  }
+}
+
+TEST(HttpSource, says_that_a_server_may_use_tls_if_it_does_not_answer) {
+  ScriptedHttpServer server([](int, const std::string&) { return false; });
+  SourceOptions options;
+  options.open_attempts = 1;
+  const auto source = open_source(server.url() + "/walk", options);
+  ASSERT_FALSE(source);
+  EXPECT_THAT(source.error().message, HasSubstr("if it uses TLS, use https://"));
 }
 
 TEST(HttpSource, a_redirect_to_another_port_of_the_host_is_followed) {

@@ -153,10 +153,17 @@ TEST(WebSocket, the_status_of_a_refusing_server_is_reported) {
   });
   const auto socket = WebSocket::connect(peer.url());
   ASSERT_FALSE(socket);
-  EXPECT_EQ(socket.error().status, 404);
+  EXPECT_EQ(socket.error().code, ErrorCode::not_found);
   EXPECT_THAT(socket.error().message, StartsWith("127.0.0.1:"));
   EXPECT_THAT(socket.error().message, HasSubstr("answers 404: nobody publishes stage"));
   EXPECT_THAT(socket.error().message, testing::Not(HasSubstr("second line")));
+}
+
+TEST(WebSocket, a_server_that_does_not_answer_may_use_tls) {
+  const Peer peer([](tcp::socket&, http::request<http::string_body>&) {});
+  const auto socket = WebSocket::connect(peer.url());
+  ASSERT_FALSE(socket);
+  EXPECT_THAT(socket.error().message, HasSubstr("if the server uses TLS, use wss://"));
 }
 
 TEST(WebSocket, connecting_to_a_closed_port_fails_at_once) {
@@ -167,7 +174,7 @@ TEST(WebSocket, connecting_to_a_closed_port_fails_at_once) {
   acceptor.close();
   const auto socket = WebSocket::connect(url);
   ASSERT_FALSE(socket);
-  EXPECT_EQ(socket.error().status, 0);
+  EXPECT_EQ(socket.error().code, ErrorCode::io);
   EXPECT_THAT(socket.error().message, HasSubstr("nothing answers there"));
 }
 
@@ -383,7 +390,7 @@ TEST(WebSocket, connecting_gives_up_after_its_timeout) {
   options.connect_timeout = 200ms;
   const auto socket = WebSocket::connect(peer.url(), options);
   ASSERT_FALSE(socket);
-  EXPECT_EQ(socket.error().status, 0);
+  EXPECT_EQ(socket.error().code, ErrorCode::io);
   over.set_value();
 }
 

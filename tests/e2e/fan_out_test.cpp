@@ -82,7 +82,7 @@ class FanOutTest : public testing::Test {
     WebSocketOptions options;
     options.token = token;
     options.silence_timeout = 20s;
-    tl::expected<std::unique_ptr<WebSocket>, ConnectError> socket = tl::unexpected(ConnectError{});
+    Result<std::unique_ptr<WebSocket>> socket = fail("");
     wait_until([&] { return (socket = WebSocket::connect(url, options)).has_value(); });
     if (socket) return *std::move(socket);
     ADD_FAILURE() << socket.error().message;
@@ -166,7 +166,7 @@ TEST_F(FanOutTest, each_side_of_a_relay_has_its_own_token_and_streams_their_own_
   with_upper_token.token = "above";
   const auto refused = WebSocket::connect(from(1) + "/paris-stage", with_upper_token);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().status, 401);
+  EXPECT_EQ(refused.error().code, ErrorCode::refused);
   EXPECT_TRUE(logs(2, "answers 401"));
   EXPECT_EQ(RawHttpClient(port_of(addresses_[2])).get("/live/lyon/reel.json").status, 404);
 }

@@ -276,13 +276,17 @@ TEST(Live, a_viewer_without_the_token_is_refused_and_gives_up) {
   const std::string address = server_address(server);
   ASSERT_FALSE(address.empty());
   const std::string stage = "ws://" + address + "/live/stage", other = stage + "2";
-  for (const auto& sources : {std::vector{stage}, std::vector{stage, other}}) {
+  const std::string segments = "http://" + address + "/live/stage";
+  for (const auto& sources :
+       {std::vector{stage}, std::vector{stage, other}, std::vector{segments}}) {
     std::vector<std::string> play{"play", "--token", "wrong", "--offscreen", "64x64"};
     play.insert(play.end(), sources.begin(), sources.end());
     const Outcome refused = run("pointreel", play);
     EXPECT_EQ(refused.exit_code, 1);
-    EXPECT_THAT(refused.err, testing::HasSubstr("401: it requires a valid token"));
+    EXPECT_THAT(refused.err, testing::HasSubstr("401"));
+    EXPECT_THAT(refused.err, testing::HasSubstr("it requires a valid token"));
     EXPECT_THAT(refused.err, testing::Not(testing::HasSubstr("trying again")));
+    EXPECT_THAT(refused.err, testing::Not(testing::HasSubstr("waiting")));
   }
 }
 

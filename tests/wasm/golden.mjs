@@ -6,7 +6,8 @@ import { Module, readFrame } from "./module.mjs";
 
 const [path, tables, streams] = process.argv.slice(2);
 const module = new Module(path, tables);
-const codes = ["", "invalid", "unsupported", "limit", "argument", "not_found", "io", "cancelled"];
+const codes = ["", "invalid", "unsupported", "limit", "argument", "not_found", "io", "cancelled",
+               "refused"];
 
 const hex = (hash) => hash.toString(16).padStart(16, "0");
 function outcome(chunks, layers) {

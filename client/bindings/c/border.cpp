@@ -29,6 +29,8 @@ pointreel_status status_of(ErrorCode code) {
       return POINTREEL_IO;
     case ErrorCode::cancelled:
       return POINTREEL_CANCELLED;
+    case ErrorCode::refused:
+      return POINTREEL_REFUSED;
   }
   return POINTREEL_INTERNAL;
 }

@@ -56,7 +56,8 @@ typedef enum pointreel_status {
   POINTREEL_IO = 6,          /* the file system or the network failed */
   POINTREEL_CANCELLED = 7,   /* pointreel_cancel was called */
   POINTREEL_TIMEOUT = 8,     /* nothing has come by then */
-  POINTREEL_INTERNAL = 9     /* a fault of Pointreel */
+  POINTREEL_INTERNAL = 9,    /* a fault of Pointreel */
+  POINTREEL_REFUSED = 10     /* the server will not do this, for instance without a token */
 } pointreel_status;
 
 typedef struct pointreel_canceller pointreel_canceller;
@@ -158,7 +159,7 @@ typedef struct pointreel_open_options {
 
 typedef struct pointreel_reel_info {
   size_t struct_size;
-  uint32_t frames;
+  uint32_t frames; /* that are shown: a cut of video may list more in its metadata */
   uint32_t layers; /* of its frames, from coarse to fine; 0 for files */
   double fps;      /* nominal; the times of the frames are authoritative */
   uint64_t duration_us;

@@ -15,8 +15,8 @@ PyObject* error_class = nullptr;
 void add_error(py::module_& module) {
   error_class = PyErr_NewExceptionWithDoc("pointreel.Error",
                                           "What went wrong, in one line. `code` is invalid, "
-                                          "unsupported, limit, argument, not_found, io "
-                                          "or cancelled.",
+                                          "unsupported, limit, argument, not_found, io, "
+                                          "cancelled or refused.",
                                           nullptr, nullptr);
   if (error_class == nullptr) throw py::error_already_set();
   module.attr("Error") = py::handle(error_class);

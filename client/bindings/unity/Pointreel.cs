@@ -18,7 +18,8 @@ namespace Pointreel
         Io = 6,
         Cancelled = 7,
         Timeout = 8,
-        Internal = 9
+        Internal = 9,
+        Refused = 10
     }
 
     [StructLayout(LayoutKind.Sequential)]

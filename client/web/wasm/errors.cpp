@@ -14,7 +14,8 @@ static_assert(static_cast<int>(ErrorCode::invalid) + 1 == PR_INVALID &&
               static_cast<int>(ErrorCode::argument) + 1 == PR_ARGUMENT &&
               static_cast<int>(ErrorCode::not_found) + 1 == PR_NOT_FOUND &&
               static_cast<int>(ErrorCode::io) + 1 == PR_IO &&
-              static_cast<int>(ErrorCode::cancelled) + 1 == PR_CANCELLED);
+              static_cast<int>(ErrorCode::cancelled) + 1 == PR_CANCELLED &&
+              static_cast<int>(ErrorCode::refused) + 1 == PR_REFUSED);
 
 }  // namespace
 

@@ -49,6 +49,7 @@ enum PrError : std::int32_t {
   PR_NOT_FOUND = 5,
   PR_IO = 6,
   PR_CANCELLED = 7,
+  PR_REFUSED = 8,
 };
 
 /// Memory for the caller's own use, aligned to 16 bytes. 0 if there is not enough.

@@ -18,6 +18,7 @@ enum class ErrorCode : std::uint8_t {
   not_found,    ///< there is no such file, reel, frame or stream
   io,           ///< the file system, the network or a device failed
   cancelled,    ///< the caller asked to stop
+  refused,      ///< the server will not do this for this client, for instance without a token
 };
 
 /// Why an operation failed. The message is one line for a person, without a full stop: it says what
@@ -44,7 +45,8 @@ inline tl::unexpected<Error> fail_at(const std::string& place, const Error& erro
   return fail(error.code, place + ": " + error.message);
 }
 
-/// "invalid", "unsupported", "limit", "argument", "not_found", "io", "cancelled".
+/// "invalid", "unsupported", "limit", "argument", "not_found", "io", "cancelled",
+/// "refused".
 const char* name(ErrorCode code);
 
 }  // namespace pointreel

@@ -11,7 +11,7 @@ class Error(Exception):
     """What went wrong, in one line."""
 
     code: str
-    """invalid, unsupported, limit, argument, not_found, io or cancelled."""
+    """invalid, unsupported, limit, argument, not_found, io, cancelled or refused."""
 
 class Frame:
     """The points of a frame, which do not change."""

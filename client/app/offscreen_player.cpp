@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <stop_token>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -63,8 +65,10 @@ class OffscreenPlayer {
     presenter_->start_clock();
     camera_ = first_camera(options_, stage_->view_bounds(), stage_->up(), size_);
 
-    auto ended = plays_every_frame() ? play_every_frame(*stage_->reel(0)) : play_in_real_time();
-    if (plays_every_frame())
+    auto ended = plays_every_frame()         ? play_every_frame(*stage_->reel(0))
+                 : is_single_frame(options_) ? draw_one_picture()
+                                             : play_in_real_time();
+    if (plays_every_frame() || is_single_frame(options_))
       presenter_->count(*stage_, lost_);
     else
       presenter_->count(*stage_);
@@ -141,6 +145,39 @@ class OffscreenPlayer {
     kept_.clear();
     stage_->look(camera_, size_);
     return true;
+  }
+
+  /// Of several reels, at the same time.
+  Result<void> draw_one_picture() {
+    TRY(open_recording(std::nullopt, std::nullopt));
+    std::vector<std::uint32_t> frames;
+    std::uint64_t end_us = 0;
+    stage_->for_each_reel([&](const ReelPlayback& reel) {
+      const FramePlan plan(reel.timeline(), start_us(options_), std::nullopt, false);
+      frames.push_back(plan.picture(0).frame);
+      end_us = std::max(end_us, plan.picture(1).time_us);
+    });
+    std::vector<Stage::Change> changes;
+    // The first frames may show that the bounds are much too large. They are then needed in more
+    // detail, which may show that again.
+    do {
+      changes.clear();
+      lost_ = 0;
+      for (std::size_t i = 0; i < frames.size(); ++i) {
+        ReelPlayback& reel = *stage_->reel(i);
+        const FrameBuffer::State state = await(reel, frames[i]);
+        if (stop_.stop_requested()) return {};
+        if (state == FrameBuffer::State::ready)
+          std::ranges::copy(stage_->take(i, reel.best()), std::back_inserter(changes));
+        else
+          ++lost_;
+      }
+    } while (has_new_view() && look(camera_at(start_us(options_))));
+    if (!changes.empty()) {
+      TRY(draw(changes));
+      TRY(record(0));
+    }
+    return finish(end_us);
   }
 
   Result<void> play_every_frame(ReelPlayback& reel) {

@@ -196,7 +196,7 @@ void PlayCommand::add_playback(cli::Command command) {
   command
       .add_option("--at", options_.at,
                   "Begin at this time of the reel. Offscreen and without --duration, show only "
-                  "the frame at this time")
+                  "the picture at this time")
       .check(within(kSeconds))
       .type_name("SECONDS")
       .group(group);

@@ -39,7 +39,8 @@ Stage::Options stage_options(const PlayOptions& options) {
 }
 
 bool is_single_frame(const PlayOptions& options) {
-  return options.offscreen && options.at && !options.duration && options.sources.size() == 1;
+  return options.offscreen && options.at && !options.duration &&
+         std::ranges::none_of(options.sources, is_live_address, &Stage::Placed::where);
 }
 
 std::chrono::steady_clock::time_point end_of_duration(const PlayOptions& options) {

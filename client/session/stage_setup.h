@@ -17,7 +17,7 @@ namespace pointreel {
 
 Stage::Options stage_options(const PlayOptions& options);
 
-/// Whether a single frame of a single source is to be shown.
+/// Whether one picture is to be shown: of each source, which are all reels, the frame at one time.
 bool is_single_frame(const PlayOptions& options);
 
 /// When a duration that counts from the start of the program is over; without one, never.

@@ -44,8 +44,7 @@ class SceneOfSources : public testing::Test {
   }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  /// Plays until more than two frames of each reel were shown. Red must be on the left and blue on
-  /// the right.
+  /// Plays until more than two frames of each reel were shown.
   nlohmann::json play(const std::string& red, const std::string& blue) {
     const auto report = play_until(
         {red, blue, "--at-position", "-0.5,0,0", "--at-position", "0.5,0,0", "--mode", "point",
@@ -54,6 +53,12 @@ class SceneOfSources : public testing::Test {
           return told["sources"][0]["frames_shown"] > 2 && told["sources"][1]["frames_shown"] > 2;
         });
     EXPECT_FALSE(report.is_discarded());
+    expect_both();
+    return report;
+  }
+
+  /// Red must be on the left and blue on the right.
+  void expect_both() const {
     const Picture picture = read_picture(folder_ / "picture.png");
     const Patch left = find_hue(picture, {1, 0, 0}), right = find_hue(picture, {0, 0, 1});
     EXPECT_GT(left.pixels, 500u);
@@ -61,7 +66,6 @@ class SceneOfSources : public testing::Test {
     EXPECT_LT(left.center.x, 150.0);
     EXPECT_GT(right.center.x, 170.0);
     EXPECT_NEAR(left.center.y, right.center.y, 5.0);
-    return report;
   }
 
   TemporaryFolder folder_;
@@ -73,6 +77,18 @@ TEST_F(SceneOfSources, two_reels_are_drawn_at_their_positions) {
   ASSERT_EQ(report["sources"].size(), 2u);
   EXPECT_GT(report["sources"][0]["frames_shown"], 2);
   EXPECT_GT(report["sources"][1]["frames_shown"], 2);
+}
+
+TEST_F(SceneOfSources, one_picture_shows_both_reels_at_one_time) {
+  const Outcome played =
+      run("pointreel", {"play", path("red.reel"), path("blue.reel"), "--at-position", "-0.5,0,0",
+                        "--at-position", "0.5,0,0", "--mode", "point", "--offscreen", "320x200",
+                        "--at", "0.04", "--screenshot", path("picture.png"), "--json", "-"});
+  ASSERT_EQ(played.exit_code, 0) << played.err;
+  expect_both();
+  const auto report = nlohmann::json::parse(played.out);
+  EXPECT_EQ(report["sources"][0]["frames_shown"], 1);
+  EXPECT_EQ(report["sources"][1]["frames_shown"], 1);
 }
 
 TEST_F(SceneOfSources, a_live_stream_and_a_reel_share_one_scene) {

@@ -53,6 +53,17 @@ std::uint64_t frame_time_us(const Manifest& manifest, std::uint32_t frame) {
   return manifest.segments[at.segment].times_us[at.index];
 }
 
+std::vector<std::uint32_t> shown_frames(const Manifest& manifest) {
+  std::vector<std::uint32_t> shown;
+  const std::uint32_t frames = manifest.frame_count();
+  for (std::uint32_t frame = 0; frame < frames; ++frame) {
+    const std::uint64_t end =
+        frame + 1 < frames ? frame_time_us(manifest, frame + 1) : manifest.duration_us;
+    if (manifest.group_frames == 0 || end > frame_time_us(manifest, frame)) shown.push_back(frame);
+  }
+  return shown;
+}
+
 std::uint32_t frame_at(const Manifest& manifest, std::uint64_t time_us) {
   const auto after =
       std::upper_bound(manifest.segments.begin(), manifest.segments.end(), time_us,

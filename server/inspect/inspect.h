@@ -29,10 +29,6 @@ Result<std::vector<Chunks<Bytes>>> read_frame(const PackageFiles& files, const M
 /// max_geometry_error of all frames, by their headers. 0 if no frame has a point.
 Result<double> max_error(const PackageFiles& files, const Manifest& manifest);
 
-/// The frames that are shown, in order. Others last for no time: where video was cut exactly, they
-/// only serve to decode those behind them.
-std::vector<std::uint32_t> shown_frames(const Manifest& manifest);
-
 struct Fault {
   std::string file;                    ///< in the package's folder
   std::optional<std::uint32_t> frame;  ///< absent if the whole file is at fault

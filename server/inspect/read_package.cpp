@@ -102,17 +102,6 @@ Result<PointCloud> FrameDecoder::decode_video(const PackageFiles& files, const M
   }
 }
 
-std::vector<std::uint32_t> shown_frames(const Manifest& manifest) {
-  std::vector<std::uint32_t> shown;
-  const std::uint32_t frames = manifest.frame_count();
-  for (std::uint32_t frame = 0; frame < frames; ++frame) {
-    const std::uint64_t end =
-        frame + 1 < frames ? frame_time_us(manifest, frame + 1) : manifest.duration_us;
-    if (end > frame_time_us(manifest, frame)) shown.push_back(frame);
-  }
-  return shown;
-}
-
 Result<double> max_error(const PackageFiles& files, const Manifest& manifest) {
   if (manifest.max_error) return *manifest.max_error;
   double largest = 0.0;

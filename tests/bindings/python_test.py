@@ -211,12 +211,17 @@ class Codec(unittest.TestCase):
         for wrong in ({"codec": "zip"}, {"depth": 30}, {"voxel": -1.0}, {"color_quality": 101},
                       {"depth": 5, "voxel": 0.1}, {"codec": "draco", "fast": True},
                       {"delta": 2.0}, {"delta": 0.1, "depth": 5}, {"scalar_steps": {"a": 0.0}},
+                      {"delta": 0}, {"depth": 0}, {"voxel": 0.0}, {"color_quality": 0},
                       {"origin": (np.inf, 0, 0)}):
             with self.assertRaises(pointreel.Error, msg=wrong) as raised:
                 pointreel.encode(positions, **wrong)
             self.assertEqual(raised.exception.code, "argument")
         with self.assertRaises(pointreel.Error):
             pointreel.encode(positions, colors[1:])
+        with self.assertRaisesRegex(ValueError, "from 0 to 1, and there is a 2"):
+            pointreel.encode(positions, np.full_like(positions, 2.0))
+        with self.assertRaisesRegex(TypeError, "as an integer"):
+            pointreel.encode(positions, depth=9.5)
         for wrong in (positions[:, :2], positions.ravel(), "text", [[None] * 3]):
             with self.assertRaises((ValueError, TypeError)):
                 pointreel.encode(wrong)
@@ -376,6 +381,20 @@ class Packages(TemporaryFolder):
         self.assertEqual((len(reel), reel.fps, reel.codec, reel.layers), (10, 5.0, "files", 0))
         self.assertGreater(len(reel[3]), 0)
 
+    def test_a_reel_that_was_cut_from_video_has_the_frames_that_are_shown(self):
+        files, whole, cut = (self.folder / name for name in ("files", "whole", "cut"))
+        for command in (["unpack", self.make(), files],
+                        ["pack", files, whole, "--codec", "video", "--fps", "10", "--group", "8"],
+                        ["cut", whole, cut, "--frames", "5-9"]):
+            subprocess.run([SERVER, *command], check=True, stdout=subprocess.DEVNULL)
+        reel, all_frames = pointreel.open(cut), pointreel.open(whole)
+        self.assertGreater(sum(len(segment["times_us"]) for segment in reel.metadata["segments"]), 5)
+        self.assertEqual((len(reel), len(all_frames)), (5, 10))
+        np.testing.assert_allclose(reel.times, np.arange(5) / 10)
+        for i, frame in enumerate(reel):
+            self.assertEqual((frame.index, frame.time), (i, i / 10))
+            self.assertEqual(rows(frame.world), rows(all_frames[5 + i].world))
+
     def test_what_is_not_there_is_an_error(self):
         for where, code in (("/nowhere", "not_found"), ("gopher://host/reel", "argument"),
                             (self.folder, "not_found")):
@@ -396,7 +415,8 @@ class Packages(TemporaryFolder):
         self.assertLess((small != small[0, 0]).sum(), (picture != picture[0, 0]).sum())
         for wrong in ({"mode": "oil"}, {"size": (0, 5)}, {"size": (1 << 20, 5)}, {"up": "w"},
                       {"zoom": 0.0}, {"view": (0, 100)}, {"color": "taste"}, {"light": "moon"},
-                      {"target": (float("nan"), 0, 0)}):
+                      {"target": (float("nan"), 0, 0)}, {"bounds": reel.bounds[::-1]},
+                      {"bounds": reel.bounds * float("nan")}):
             with self.assertRaises(pointreel.Error, msg=wrong):
                 pointreel.render(reel[0], **wrong)
 

@@ -279,6 +279,14 @@ TEST(Manifest, finds_the_last_frame_that_has_begun) {
   EXPECT_EQ(frame_at(late, 5), 0u) << "clamped to the reel";
 }
 
+TEST(Manifest, knows_which_frames_of_video_are_shown) {
+  Manifest m = example();
+  m.segments[0].times_us = {0, 0};
+  EXPECT_EQ(shown_frames(m).size(), m.frame_count()) << "all that stand alone";
+  m.group_frames = 2;
+  EXPECT_EQ(shown_frames(m), (std::vector<std::uint32_t>{1, 2}));
+}
+
 TEST(Manifest, ignores_unknown_keys) {
   EXPECT_EQ(error_with({{"comment", {{"by", "somebody"}}}}), "accepted");
 }

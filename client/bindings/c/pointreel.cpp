@@ -17,7 +17,7 @@
 #include "client/bindings/frames/encoded_bytes.h"
 #include "client/bindings/frames/encoding_choice.h"
 #include "client/bindings/frames/point_arrays.h"
-#include "client/bindings/frames/point_frame.h"
+#include "client/bindings/frames/reel_frames.h"
 #include "client/source/open_live_source.h"
 #include "client/source/open_source.h"
 #include "codec/package/manifest.h"
@@ -40,10 +40,6 @@ Result<Up> up_of(char letter) {
       if (letter_of(up) == letter) return up;
   return fail(ErrorCode::argument, "the axis that points up is none of x, y, z, X, Y and Z");
 }
-
-struct Reel {
-  std::unique_ptr<Source> source;
-};
 
 struct Live {
   std::mutex mutex;  ///< one call takes a frame at a time
@@ -68,7 +64,7 @@ auto& frames() {
   return handles;
 }
 auto& reels() {
-  static auto& handles = *new Handles<pointreel_reel, Reel>;
+  static auto& handles = *new Handles<pointreel_reel, const ReelFrames>;
   return handles;
 }
 auto& lives() {
@@ -344,7 +340,7 @@ pointreel_status pointreel_reel_open(const char* where, const pointreel_open_opt
     TRY(clear(reel));
     auto source =
         TRY(open_source(TRY(text_of(where, "the reel's place")), TRY(source_options_of(options))));
-    *reel = reels().add(std::make_shared<Reel>(std::move(source)));
+    *reel = reels().add(std::make_shared<const ReelFrames>(std::move(source)));
     return {};
   });
 }
@@ -352,9 +348,9 @@ pointreel_status pointreel_reel_open(const char* where, const pointreel_open_opt
 pointreel_status pointreel_reel_get_info(const pointreel_reel* handle, pointreel_reel_info* info) {
   return guarded([&]() -> Result<void> {
     const auto reel = TRY(reels().get(handle, "the reel"));
-    const Manifest& manifest = reel->source->manifest();
+    const Manifest& manifest = reel->manifest();
     pointreel_reel_info result{};
-    result.frames = manifest.frame_count();
+    result.frames = reel->size();
     result.layers = static_cast<std::uint32_t>(manifest.layer_names.size());
     result.fps = manifest.fps;
     result.duration_us = manifest.duration_us;
@@ -373,7 +369,7 @@ pointreel_status pointreel_reel_get_metadata(const pointreel_reel* handle, char*
                                              size_t capacity, size_t* length) {
   return guarded([&]() -> Result<void> {
     const auto reel = TRY(reels().get(handle, "the reel"));
-    return give_text(write_manifest(reel->source->manifest()), text, capacity, length);
+    return give_text(write_manifest(reel->manifest()), text, capacity, length);
   });
 }
 
@@ -383,11 +379,7 @@ pointreel_status pointreel_reel_get_frame_time(const pointreel_reel* handle, uin
     if (time_us == nullptr) return fail(ErrorCode::argument, "the place for the time is NULL");
     *time_us = 0;
     const auto reel = TRY(reels().get(handle, "the reel"));
-    const Manifest& manifest = reel->source->manifest();
-    if (index >= manifest.frame_count())
-      return fail(ErrorCode::argument, concat("there is no frame ", index, "; the reel has ",
-                                              manifest.frame_count(), " frames"));
-    *time_us = frame_time_us(manifest, index);
+    *time_us = TRY(reel->time_us(index));
     return {};
   });
 }
@@ -396,7 +388,7 @@ pointreel_status pointreel_reel_get_trouble(const pointreel_reel* handle, char* 
                                             size_t capacity, size_t* length) {
   return guarded([&]() -> Result<void> {
     const auto reel = TRY(reels().get(handle, "the reel"));
-    return give_text(reel->source->trouble().value_or(""), text, capacity, length);
+    return give_text(reel->source().trouble().value_or(""), text, capacity, length);
   });
 }
 
@@ -406,7 +398,7 @@ pointreel_status pointreel_reel_read(pointreel_reel* handle, uint32_t index,
   return guarded([&]() -> Result<void> {
     TRY(clear(frame));
     const auto reel = TRY(reels().get(handle, "the reel"));
-    return give_frame(read_points(*reel->source, index, TRY(limits_of(options))), frame);
+    return give_frame(reel->read(index, TRY(limits_of(options))), frame);
   });
 }
 

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "client/source/decode_fetched.h"
-#include "common/base/concat.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
 #include "common/threads/tbb_executor.h"
@@ -28,22 +27,6 @@ Result<SharedFrame> decode_points(FetchedFrame fetched, const FrameInfo& info,
     frame->fetched = std::move(fetched);
     return frame;
   });
-}
-
-Result<SharedFrame> read_points(Source& source, std::uint32_t frame, const ReadLimits& limits) {
-  const Manifest& manifest = source.manifest();
-  if (frame >= manifest.frame_count())
-    return fail(ErrorCode::argument, concat("there is no frame ", frame, "; the reel has ",
-                                            manifest.frame_count(), " frames"));
-  if (limits.layers == 0) return fail(ErrorCode::argument, "a frame has at least one layer");
-  FetchRequest request;
-  request.frame = frame;
-  request.layers.end = limits.layers;
-  request.stop = limits.stop;
-  const FrameInfo info = frame_info(manifest, frame);
-  auto read = decode_points(TRY(source.fetch(request)), info, limits);
-  if (!read && manifest.codec != "files") return fail_at(concat("frame ", frame), read.error());
-  return read;
 }
 
 Result<SharedFrame> decode_live(LiveFrame frame, const ReadLimits& limits) {

@@ -7,7 +7,6 @@
 #include "client/prepare/prepare.h"
 #include "client/source/fetched.h"
 #include "client/source/live_source.h"
-#include "client/source/source.h"
 #include "pointreel/cloud.h"
 #include "pointreel/error.h"
 
@@ -32,10 +31,6 @@ struct ReadLimits {
 /// Decodes what was fetched of a frame, on the idle threads of the caller's TBB arena as well.
 Result<SharedFrame> decode_points(FetchedFrame fetched, const FrameInfo& info,
                                   const ReadLimits& limits);
-
-/// Fetches a frame and decodes it. `argument` if there is no such frame. May be called by several
-/// threads at once.
-Result<SharedFrame> read_points(Source& source, std::uint32_t frame, const ReadLimits& limits);
 
 /// The same of a live frame.
 Result<SharedFrame> decode_live(LiveFrame frame, const ReadLimits& limits);

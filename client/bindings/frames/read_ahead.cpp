@@ -14,9 +14,9 @@ constexpr std::size_t kMostThreads = 2;
 
 }  // namespace
 
-ReadAhead::ReadAhead(std::shared_ptr<Source> source, std::vector<std::uint32_t> order,
+ReadAhead::ReadAhead(std::shared_ptr<const ReelFrames> reel, std::vector<std::uint32_t> order,
                      const ReadLimits& limits, std::size_t ahead)
-    : source_(std::move(source)), order_(std::move(order)), limits_(limits), ahead_(ahead) {
+    : reel_(std::move(reel)), order_(std::move(order)), limits_(limits), ahead_(ahead) {
   outer_stop_.emplace(limits.stop, [this] { stop_.request_stop(); });
   limits_.stop = stop_.get_token();
   const std::size_t threads = std::min({kMostThreads, ahead_, order_.size()});
@@ -66,7 +66,7 @@ void ReadAhead::read() {
     if (ending_ || begun_ == order_.size()) return;
     const std::size_t place = begun_++;
     lock.unlock();
-    auto frame = without_exceptions([&] { return read_points(*source_, order_[place], limits_); });
+    auto frame = without_exceptions([&] { return reel_->read(order_[place], limits_); });
     lock.lock();
     read_.emplace(place, std::move(frame));
     changed_.notify_all();

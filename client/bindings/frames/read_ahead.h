@@ -13,8 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "client/bindings/frames/point_frame.h"
-#include "client/source/source.h"
+#include "client/bindings/frames/reel_frames.h"
 
 namespace pointreel {
 
@@ -24,7 +23,7 @@ namespace pointreel {
 class ReadAhead {
  public:
   /// `ahead` is at least 1.
-  ReadAhead(std::shared_ptr<Source> source, std::vector<std::uint32_t> order,
+  ReadAhead(std::shared_ptr<const ReelFrames> reel, std::vector<std::uint32_t> order,
             const ReadLimits& limits, std::size_t ahead);
   /// Stops what is being read, and waits for it.
   ~ReadAhead();
@@ -40,7 +39,7 @@ class ReadAhead {
   void end();
   void read();
 
-  const std::shared_ptr<Source> source_;
+  const std::shared_ptr<const ReelFrames> reel_;
   const std::vector<std::uint32_t> order_;
   ReadLimits limits_;
   const std::size_t ahead_;

@@ -102,36 +102,35 @@ class PyReel {
     SourceOptions options = source_options(std::move(token), std::move(ca_file), follow_redirects);
     options.fps = fps;
     options.topic = std::move(topic);
-    source_ = interruptible([&](const std::stop_token& stop) {
+    frames_ = std::make_shared<const ReelFrames>(interruptible([&](const std::stop_token& stop) {
       SourceOptions stoppable = options;
       stoppable.stop = stop;
       return open_source(where, stoppable);
-    });
+    }));
   }
 
-  const Manifest& manifest() const { return source_->manifest(); }
-  std::size_t size() const { return manifest().frame_count(); }
+  const Manifest& manifest() const { return frames_->manifest(); }
+  std::size_t size() const { return frames_->size(); }
 
   std::string metadata() const { return write_manifest(manifest()); }
-  std::string trouble() const { return source_->trouble().value_or(""); }
+  std::string trouble() const { return frames_->source().trouble().value_or(""); }
   py::object bounds() const { return box_of(manifest().bounds); }
 
   py::array times() const {
     std::vector<double> seconds;
     seconds.reserve(size());
-    for (const Segment& segment : manifest().segments)
-      for (const std::uint64_t time : segment.times_us)
-        seconds.push_back(static_cast<double>(time) / 1e6);
+    for (std::uint32_t i = 0; i < size(); ++i)
+      seconds.push_back(static_cast<double>(*frames_->time_us(i)) / 1e6);
     return py::array_t<double>(static_cast<py::ssize_t>(seconds.size()), seconds.data());
   }
 
   PyFrame read(std::uint32_t index, std::optional<std::uint32_t> layers,
                std::optional<std::uint64_t> max_memory) const {
     ReadLimits limits = read_limits(layers, max_memory);
-    if (!remote_) return {without_gil([&] { return read_points(*source_, index, limits); })};
+    if (!remote_) return {without_gil([&] { return frames_->read(index, limits); })};
     return {interruptible([&](const std::stop_token& stop) {
       limits.stop = stop;
-      return read_points(*source_, index, limits);
+      return frames_->read(index, limits);
     })};
   }
 
@@ -139,13 +138,13 @@ class PyReel {
                                         std::optional<std::uint32_t> layers,
                                         std::optional<std::uint64_t> max_memory,
                                         std::size_t ahead) const {
-    return std::make_unique<ReadAhead>(source_, std::move(order), read_limits(layers, max_memory),
+    return std::make_unique<ReadAhead>(frames_, std::move(order), read_limits(layers, max_memory),
                                        std::max<std::size_t>(1, ahead));
   }
 
  private:
   bool remote_ = false;
-  std::shared_ptr<Source> source_;
+  std::shared_ptr<const ReelFrames> frames_;
 };
 
 PyFrame next_of(ReadAhead& ahead) {
@@ -357,7 +356,7 @@ py::array picture(const PyFrame& frame, int width, int height, const std::string
   options.up = up_of(up);
   if (view) options.view = glm::dvec2((*view)[0], (*view)[1]);
   options.zoom = zoom;
-  if (bounds) options.box = {to_glm((*bounds)[0]), to_glm((*bounds)[1])};
+  if (bounds) options.box = Box{to_glm((*bounds)[0]), to_glm((*bounds)[1])};
   options.background = {background[0], background[1], background[2]};
   if (const auto source = parse_enum<ColorSource>(color)) {
     options.color = *source;

@@ -27,6 +27,10 @@ Result<void> check(const PictureOptions& options) {
     return fail(ErrorCode::argument, "a view is a yaw, and a pitch of -90 to 90 degrees");
   if (options.target && !(std::isfinite(glm::dot(*options.target, *options.target))))
     return fail(ErrorCode::argument, "a target is three numbers");
+  const auto finite = [](const glm::dvec3& at) { return std::isfinite(glm::dot(at, at)); };
+  if (const auto& box = options.box; box && !(finite(box->min) && finite(box->max) &&
+                                              glm::all(glm::lessThanEqual(box->min, box->max))))
+    return fail(ErrorCode::argument, "bounds must be finite, the smallest coordinates first");
   return {};
 }
 
@@ -51,9 +55,7 @@ Result<Image> picture_of(const PointFrame& frame, const PictureOptions& options)
     prepare.show_normals = options.color == ColorSource::normals;
     auto scene = std::make_shared<SceneFrame>(TRY(prepare_points(frame, prepare)));
     const FrameBoxes& boxes = scene->boxes;
-    const Box box = !options.box.empty()  ? options.box
-                    : !boxes.main.empty() ? boxes.main
-                                          : boxes.all;
+    const Box box = options.box ? *options.box : !boxes.main.empty() ? boxes.main : boxes.all;
     Camera camera;
     camera.up = options.up;
     camera.frame_bounds(box, static_cast<double>(options.size.x) / options.size.y);

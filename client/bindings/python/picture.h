@@ -26,7 +26,7 @@ struct PictureOptions {
   std::string scalar;
   bool lit = true;
   Light light = Light::flat;
-  Box box;  ///< what the picture shows; empty: the frame's points, but for strays
+  std::optional<Box> box;  ///< what the picture shows; absent: the frame's points, but for strays
   glm::vec3 background = DrawOptions{}.background;  ///< sRGB, 0 to 1
 };
 

@@ -184,6 +184,9 @@ ByteRange byte_range(const LayerFile& file, std::uint32_t index);
 
 /// A frame's presentation time. `frame` < manifest.frame_count().
 std::uint64_t frame_time_us(const Manifest& manifest, std::uint32_t frame);
+/// All frames in order, except frames of video with no duration: in a cut, these only serve to
+/// decode the ones after them.
+std::vector<std::uint32_t> shown_frames(const Manifest& manifest);
 /// The frame to show at a time: the last one whose own time is not later, or the first frame if
 /// there is none. The manifest has at least one frame.
 std::uint32_t frame_at(const Manifest& manifest, std::uint64_t time_us);

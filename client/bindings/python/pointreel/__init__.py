@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import collections
 import json
+import operator
 import os
 from typing import (Any, Deque, Dict, Iterable, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple,
                     Union, overload)
@@ -48,6 +49,12 @@ class Points(NamedTuple):
     Draco frames leave them out."""
 
 
+def _error(message: str, code: str) -> Error:
+    error = Error(message)
+    error.code = code
+    return error
+
+
 def _rows(values: Any, name: str, dtype: Any = None) -> NDArray[Any]:
     array = np.asarray(values)
     if array.size == 0:
@@ -64,6 +71,10 @@ def _colors(values: Any) -> Optional[NDArray[Any]]:
         return None
     array = _rows(values, "colors")
     if array.dtype.kind == "f":
+        # Interpolated colors may be a little outside.
+        outside = array[(array < -0.1) | (array > 1.1)]
+        if outside.size:
+            raise ValueError(f"float colors must be from 0 to 1, and there is a {outside[0]:g}")
         rounded: NDArray[np.uint16] = np.rint(
             np.clip(np.nan_to_num(array), 0.0, 1.0) * 65535.0).astype(np.uint16)
         return rounded
@@ -165,7 +176,7 @@ class Reel(Frames):
 
     @property
     def codec(self) -> str:
-        """octree, draco or files."""
+        """octree, draco, video or files."""
         return str(self.metadata["codec"])
 
     @property
@@ -195,7 +206,8 @@ class Reel(Frames):
 
     def read(self, index: int, layers: Optional[int] = None) -> Frame:
         """A frame, of its first `layers` layers if that is given."""
-        return self._native.read(range(len(self))[index], layers or self._layers, self._max_memory)
+        return self._native.read(range(len(self))[index],
+                                 self._layers if layers is None else layers, self._max_memory)
 
     def _ahead(self, indices: range) -> Iterator[Frame]:
         return self._native.read_ahead(list(indices), self._layers, self._max_memory,
@@ -265,8 +277,18 @@ def live(url: str, *, timeout: Optional[float] = None, layers: Optional[int] = N
 def _encoding(codec: str, depth: Optional[int], voxel: Optional[float], delta: Optional[float],
               color_quality: Optional[int], normal_quality: Optional[int], fast: bool,
               scalar_steps: Optional[Mapping[str, float]]) -> _native.Encoding:
-    return _native.Encoding(codec, depth or 0, voxel or 0.0, color_quality or 0,
-                            normal_quality or 0, fast, delta or 0.0, dict(scalar_steps or {}))
+    def number(name: str, value: Any, kind: Any) -> Any:  # 0: the default
+        if value is None:
+            return 0
+        if value == 0:
+            raise _error(f"{name} must be above 0", "argument")
+        return kind(value)
+
+    return _native.Encoding(codec, number("depth", depth, operator.index),
+                            number("voxel", voxel, float),
+                            number("color_quality", color_quality, operator.index),
+                            number("normal_quality", normal_quality, operator.index), fast,
+                            number("delta", delta, float), dict(scalar_steps or {}))
 
 
 def encode(positions: Any, colors: Any = None, normals: Any = None, *,
@@ -390,9 +412,8 @@ class Publisher:
         self._end()
         sent, accepted, trouble = self._last
         if sent > 0 and accepted == 0:
-            nothing = Error("nothing arrived at the server" + (f"; {trouble}" if trouble else ""))
-            nothing.code = "io"
-            raise nothing
+            raise _error("nothing arrived at the server" + (f"; {trouble}" if trouble else ""),
+                         "io")
 
     def _state(self) -> Tuple[int, int, str]:
         native = self._native
@@ -448,7 +469,7 @@ def render(frame: Any, *, size: Tuple[int, int] = (1280, 720), mode: str = "surf
         frame = _native.frame(*_arrays(_points_of(frame)))
     if bounds is not None:
         bounds = np.asarray(bounds, dtype=np.float64).tolist()
-    return _native.picture(frame, int(size[0]), int(size[1]), mode,
+    return _native.picture(frame, operator.index(size[0]), operator.index(size[1]), mode,
                            None if view is None else list(map(float, view)), zoom, up, bounds,
                            list(map(float, background)), color, light,
                            None if target is None else list(map(float, target)))

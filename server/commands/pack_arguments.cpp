@@ -12,9 +12,6 @@
 namespace pointreel {
 namespace {
 
-/// Two groups of video.
-constexpr std::uint32_t kVideoSegmentFrames = 48;
-
 /// "20M", "800k", "1.5G" or a plain number of bits per second.
 Result<double> parse_bitrate(const std::string& text) {
   double rate = 0.0;
@@ -125,17 +122,20 @@ void PackArguments::add_to(cli::Command command) {
 Result<PackOptions> PackArguments::options() const {
   PackOptions options = options_;
   static_cast<EncodingOptions&>(options) = TRY(sequence_.options());
+  VideoPackOptions video = video_;
+  video.quality = sequence_.octree.color_quality;
+  if (segment_.count() > 0) video.segment_frames = options.segment_frames;
   if (sequence_.codec == Codec::video) {
     if (options.cube_per_frame)
       return fail(ErrorCode::argument,
                   "--cube frame does not go with --codec video, whose frames share a cube");
-    options.video = video_;
-    options.video->quality = sequence_.octree.color_quality;
-    options.segment_frames = segment_.count() > 0 ? options.segment_frames : kVideoSegmentFrames;
+    options.pack_as_video(video);
   } else if (group_.count() + effort_.count() > 0) {
     return fail(
         ErrorCode::argument,
         fmt::format("{} needs --codec video", group_.count() > 0 ? group_.name() : effort_.name()));
+  } else if (!sequence_.asks_for_codec() && !options.cube_per_frame && !options.frame_time_ms) {
+    options.video_if_it_pays = video;
   }
   options.up_of_files = sequence_.up_of_files();
   options.times_of_files = sequence_.times_of_files() || options.keep_gaps;

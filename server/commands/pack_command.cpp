@@ -91,6 +91,7 @@ ordered_json to_json(const PackSummary& summary) {
                       {"bytes", summary.learnt->bytes},
                       {"saved_bytes", std::llround(summary.learnt->saved_bytes)}};
   }
+  json["codec_trial"] = trial_json(summary.trial);
   json["cleaning"] = cleaning_json(summary.cleaning);
   json["recorded_fps"] = nullptr;
   if (summary.recorded_fps) json["recorded_fps"] = *summary.recorded_fps;
@@ -157,6 +158,8 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
         summary.encode_ms.min, summary.encode_ms.max);
   print("  codec           {}{}{}, depth {}\n", summary.codec, summary.entropy.empty() ? "" : " ",
         summary.entropy, span_text(summary.depth_min, summary.depth_max));
+  if (summary.trial)
+    for (const std::string& line : trial_lines(*summary.trial)) print("{}\n", line);
   if (!summary.video)
     print("  error           at most {}, in the source's units\n",
           number_text(summary.max_error, 4));

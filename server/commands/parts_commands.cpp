@@ -48,6 +48,8 @@ int run_plan(const PackArguments& arguments) {
   print("{}: {} in {}\n", parts_folder(options->output).string(), counted(made->frames, "frame"),
         counted(made->segments, "segment"));
   for (const std::string& guess : made->guesses) print("  read as         {}\n", guess);
+  if (made->trial)
+    for (const std::string& line : trial_lines(*made->trial)) print("{}\n", line);
   if (made->learnt && made->learnt->bytes > 0)
     print("  tables          learnt from {}\n", counted(made->learnt->samples, "frame"));
   const std::string output = shell_word(options->output.string());

@@ -1,5 +1,7 @@
 #include "server/commands/sequence_arguments.h"
 
+#include <algorithm>
+#include <ranges>
 #include <string>
 
 #include <fmt/format.h>
@@ -74,11 +76,13 @@ void SequenceArguments::add_to(cli::Command command, const char* default_name,
   std::vector<std::pair<std::string, Codec>> codecs{{name(Codec::octree), Codec::octree},
                                                     {name(Codec::draco), Codec::draco}};
   if (with_video) codecs.emplace_back(name(Codec::video), Codec::video);
-  add_choice<Codec>(command, "--codec", codec, codecs,
-                    with_video ? "octrees, in layers that refine each other; Draco; or video: "
-                                 "pictures of depth and colours, which take a fraction of the bits "
-                                 "for dense, clean surfaces that move"
-                               : "octrees, in layers that refine each other, or Draco");
+  codec_ = add_choice<Codec>(
+      command, "--codec", codec, codecs,
+      with_video ? "octrees, in layers that refine each other; Draco; or video: "
+                   "pictures of depth and colours, which take a fraction of the bits "
+                   "for dense, clean surfaces that move"
+                 : "octrees, in layers that refine each other, or Draco");
+  if (with_video) codec_.default_str("octree or video, by a trial");
   command
       .add_option_function<std::string>(
           "--clean", [this](const std::string& text) { sequence.clean = cleaning_from(text); },
@@ -251,6 +255,13 @@ void SequenceArguments::add_draco_options(cli::Command command) {
 
 bool SequenceArguments::up_of_files() const {
   return up_.count() == 0 && sequence.placement.rotation == glm::dmat3(1.0);
+}
+
+bool SequenceArguments::asks_for_codec() const {
+  const auto given = [](const cli::Option option) { return option.count() > 0; };
+  return given(codec_) || octree.color_quality == kLosslessColorQuality ||
+         std::ranges::any_of(of_codec_ | std::views::values, given) ||
+         std::ranges::any_of(of_context_, given);
 }
 
 Result<EncodingOptions> SequenceArguments::options() const {

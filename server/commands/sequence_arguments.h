@@ -40,12 +40,15 @@ struct SequenceArguments {
   /// Whether the times of frames are to be taken from recordings: --fps was not given.
   bool times_of_files() const { return fps_.count() == 0; }
 
+  /// Whether --codec was given, or an option or a quality that only one codec has.
+  bool asks_for_codec() const;
+
   /// What was given; an error if some of it does not go together.
   Result<EncodingOptions> options() const;
 
  private:
   std::uint64_t frame_memory_ = kFrameMemory >> 20;  ///< MiB
-  cli::Option up_, fps_;
+  cli::Option up_, fps_, codec_;
   void add_octree_options(cli::Command command);
   void add_scalar_options(cli::Command command);
   void add_draco_options(cli::Command command);

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
@@ -124,8 +127,8 @@ void complete_colors(std::vector<PointCloud>& clouds) {
 
 }  // namespace
 
-Result<std::vector<Chunks<Bytes>>> pack_group(std::span<PackedFrame> frames,
-                                              const PackOptions& options) {
+Result<void> pack_group(std::span<PackedFrame> frames, const PackOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
   VideoOptions video;
   const Cube& cube = frames.front().grid.cube;
   video.side = std::clamp(side_of(frames.front()), kLeastSide, 1 << kMostLevels);
@@ -143,7 +146,18 @@ Result<std::vector<Chunks<Bytes>>> pack_group(std::span<PackedFrame> frames,
     complete_normals(cloud, options.encode.executor);
   });
   complete_colors(clouds);
-  return encode_video_group(clouds, cube.origin, video);
+  std::vector<Chunks<Bytes>> chunks = TRY(encode_video_group(clouds, cube.origin, video));
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    PackedFrame& frame = frames[i];
+    frame.encode_ms += took.count() / static_cast<double>(frames.size());
+    if (frame.parts) {
+      frame.parts->geometry += chunks[i].geometry.size();
+      frame.parts->colors += chunks[i].colors.size();
+    }
+    frame.encoded.layers.push_back(std::move(chunks[i]));
+  }
+  return {};
 }
 
 }  // namespace pointreel

@@ -14,9 +14,10 @@ namespace pointreel {
 
 /// How frames are packed as video.
 struct VideoPackOptions {
-  std::uint32_t group_frames = 24;  ///< frames of a group, 1 to kMostGroupFrames
-  int quality = 64;                 ///< 1 to 100, of depth and colours together
-  int preset = 8;                   ///< VideoOptions::preset
+  std::uint32_t segment_frames = 48;  ///< instead of PackOptions::segment_frames
+  std::uint32_t group_frames = 24;    ///< frames of a group, 1 to kMostGroupFrames
+  int quality = 64;                   ///< 1 to 100, of depth and colours together
+  int preset = 8;                     ///< VideoOptions::preset
 };
 
 /// What to pack, and where to. An empty `name` stands for that of the output folder without
@@ -61,7 +62,15 @@ struct PackOptions : EncodingOptions {
   /// Encode layered depth video on top of octrees of few levels; `encode` holds octree options,
   /// which choose the size of its pixels.
   std::optional<VideoPackOptions> video;
+  /// Without `video`: what it is to be if a trial on some of the frames shows that this pays.
+  std::optional<VideoPackOptions> video_if_it_pays;
   bool force = false;  ///< replace a package that is already there
+
+  void pack_as_video(VideoPackOptions how) {
+    video = how;
+    video_if_it_pays.reset();
+    segment_frames = how.segment_frames;
+  }
 };
 
 }  // namespace pointreel

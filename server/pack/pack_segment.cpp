@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <utility>
 
 #include <tbb/parallel_pipeline.h>
@@ -54,7 +53,7 @@ class Writer {
  private:
   Result<void> write_waiting() {
     if (waiting_.empty()) return {};
-    if (options_.video) TRY(add_video());
+    if (options_.video) TRY(pack_group(waiting_, options_));
     TRY(compare());
     for (const PackedFrame& frame : waiting_) TRY(write(frame));
     waiting_.clear();
@@ -66,22 +65,6 @@ class Writer {
     if (!compared_ || *compared_ < before || *compared_ >= before + waiting_.size()) return {};
     segment_.coding_error =
         TRY(coding_error(std::span(waiting_).first(*compared_ - before + 1), options_));
-    return {};
-  }
-
-  Result<void> add_video() {
-    const auto start = std::chrono::steady_clock::now();
-    std::vector<Chunks<Bytes>> video = TRY(pack_group(waiting_, options_));
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    for (std::size_t i = 0; i < waiting_.size(); ++i) {
-      PackedFrame& frame = waiting_[i];
-      frame.encode_ms += took.count() / static_cast<double>(waiting_.size());
-      if (frame.parts) {
-        frame.parts->geometry += video[i].geometry.size();
-        frame.parts->colors += video[i].colors.size();
-      }
-      frame.encoded.layers.push_back(std::move(video[i]));
-    }
     return {};
   }
 

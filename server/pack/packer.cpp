@@ -27,6 +27,7 @@
 #include "server/pack/package_tables.h"
 #include "server/pack/segment_packer.h"
 #include "server/pack/segment_warnings.h"
+#include "server/pack/video_trial.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;
@@ -45,8 +46,6 @@ class Packer {
         files_(sequence_.frames) {
     if (options_.name.empty()) options_.name = default_reel_name(options.output);
     if (options_.up_of_files) options_.up = up_of_frame(files_.front()).value_or(options_.up);
-    // Frames are encoded in parallel; parts of a large frame go to threads that have no frame.
-    options_.encode.executor = stoppable(tbb_executor(), listener.stop, kInterrupted);
     manifest_ = begin_manifest(options_, sequence_);
     output_ = {folder, manifest_.layer_names, listener.frame_done, listener.stop, {}};
     summary_.lost_parts = sequence_.lost_parts;
@@ -150,13 +149,31 @@ Result<PackSummary> pack(const PackOptions& options, const PackListener& listene
   return in_arena(options.threads, [&]() -> Result<PackSummary> {
     CloudSequence sequence = TRY(list_cloud_frames(options.inputs, options.listing(listener.stop)));
     if (options.keep_gaps) sequence.keep_gaps(options.fps);
-    OutputFolder folder = TRY(OutputFolder::create(
-        options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));
-    Packer packer(options, listener, std::move(sequence), folder.path());
-    PackSummary summary = TRY(packer.run());
-    TRY(folder.publish());
-    summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    return summary;
+    const auto make_folder = [&] {
+      return OutputFolder::create(options.output,
+                                  options.force ? may_replace_package : OutputFolder::MayReplace{});
+    };
+    std::optional<OutputFolder> folder(TRY(make_folder()));
+    PackOptions chosen = options;
+    // Frames are encoded in parallel; parts of a large frame go to threads that have no frame.
+    chosen.encode.executor = stoppable(tbb_executor(), listener.stop, kInterrupted);
+    const PackOptions as_octrees = chosen;
+    auto trial = TRY(choose_video(sequence.frames, chosen, listener.stop));
+    auto packed = Packer(chosen, listener, sequence, folder->path()).run();
+    if (!packed && trial && chosen.video && packed.error().code == ErrorCode::limit) {
+      // Another segment is not like the one that was tried.
+      sequence.warnings.push_back("packed as octrees, because video failed: " +
+                                  packed.error().message);
+      trial.reset();
+      folder.reset();
+      folder.emplace(TRY(make_folder()));
+      packed = Packer(as_octrees, listener, sequence, folder->path()).run();
+    }
+    if (!packed) return packed;
+    TRY(folder->publish());
+    packed->trial = std::move(trial);
+    packed->seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    return packed;
   });
 }
 

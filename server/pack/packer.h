@@ -12,6 +12,7 @@
 #include "pointreel/draco.h"
 #include "pointreel/error.h"
 #include "server/pack/pack_options.h"
+#include "server/pack/video_trial.h"
 
 namespace pointreel {
 
@@ -61,7 +62,8 @@ struct PackSummary {
   double max_error = 0.0;  ///< of all segments, in the source's units; not of video
   std::optional<CodingError> coding_error;
   double peak = 0.0;                    ///< peak_of, if there is a coding_error
-  bool video = false;                   ///< PackOptions::video
+  bool video = false;                   ///< whether frames were packed as video
+  std::optional<VideoTrial> trial;      ///< that chose between video and octrees
   std::optional<double> recorded_fps;   ///< by the median spacing of the times of a recording
   std::uint64_t late_frames = 0;        ///< frames that took longer than frame_time_ms
   std::uint32_t unreadable_frames = 0;  ///< in whose place others are shown

@@ -18,10 +18,14 @@
 #include "common/file_system/output_folder.h"
 #include "common/file_system/write_file.h"
 #include "common/process/print.h"
+#include "common/threads/stoppable.h"
+#include "common/threads/tbb_executor.h"
+#include "pointreel/codec.h"
 #include "pointreel/version.h"
 #include "server/pack/audio.h"
 #include "server/pack/in_arena.h"
 #include "server/pack/package_tables.h"
+#include "server/pack/video_trial.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;
@@ -221,8 +225,18 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
                 plan.segments(),
                 {},
                 std::move(sequence.warnings),
-                std::move(sequence.guesses)};
+                std::move(sequence.guesses),
+                {}};
   const auto complete = [&]() -> Result<void> {
+    options.encode.executor = stoppable(tbb_executor(), stop, kInterrupted);
+    made.trial =
+        TRY(in_arena(options.threads, [&] { return choose_video(frames, options, stop); }));
+    if (made.trial) {
+      const Codec codec = options.video ? Codec::video : Codec::octree;
+      plan.arguments.push_back(fmt::format("--codec={}", name(codec)));
+      plan.segment_frames = options.segment_frames;
+      made.segments = plan.segments();
+    }
     if (options.train) {
       const PackageTables tables = TRY(in_arena(
           options.threads, [&] { return learn_package_tables(frames, options, folder, stop); }));

@@ -68,6 +68,7 @@ struct MadePlan {
   std::optional<LearntTables> learnt;  ///< with PackOptions::train
   std::vector<std::string> warnings;   ///< CloudSequence::warnings
   std::vector<std::string> guesses;    ///< CloudSequence::guesses
+  std::optional<VideoTrial> trial;     ///< PackSummary::trial
 };
 
 /// Lists the input frames, learns context tables if that is asked for, and writes the plan.

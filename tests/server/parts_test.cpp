@@ -338,6 +338,23 @@ TEST(PackCommandLine, stands_for_the_options_that_were_given) {
   EXPECT_FALSE(options->force);
 }
 
+TEST(PackCommandLine, leaves_the_codec_to_a_trial_unless_an_option_asks_for_one) {
+  const auto open = [](const std::vector<std::string>& arguments) {
+    const Result<PackOptions> options = parse_pack_command_line(arguments);
+    EXPECT_TRUE(options) << options.error().message;
+    return options && options->video_if_it_pays;
+  };
+  EXPECT_TRUE(open({}));
+  EXPECT_TRUE(open({"--quality=80", "--bitrate=4M", "--clean=auto", "--no-normals"}));
+  for (const char* asking :
+       {"--codec=octree", "--codec=video", "--depth=9", "--delta=0.1", "--voxel=1", "--spacing=1",
+        "--quality=100", "--no-scalars", "--train", "--cube=frame", "--frame-time=30"})
+    EXPECT_FALSE(open({asking})) << asking;
+  const Result<PackOptions> short_segments = parse_pack_command_line({"--segment=7"});
+  ASSERT_TRUE(short_segments && short_segments->video_if_it_pays);
+  EXPECT_EQ(short_segments->video_if_it_pays->segment_frames, 7u);
+}
+
 TEST(PartOf, shares_segments_out_evenly) {
   for (const std::uint32_t segments : {0u, 1u, 6u, 7u, 100u}) {
     std::uint32_t next = 0;

@@ -33,7 +33,7 @@ Result<json> measure_playback(const std::filesystem::path& folder, int frames) {
   const auto measure = [&]() -> Result<json> {
     TRY(run_program("pointreel-synth",
                     {"soccer-shoot", "-o", clouds, "--frames", std::to_string(frames)}));
-    TRY(run_program("pointreel-server", {"pack", "-i", clouds, "-o", reel}));
+    TRY(run_program("pointreel-server", {"pack", "-i", clouds, "-o", reel, "--codec", "octree"}));
     json rows = json::array();
     for (const char* mode : {"surfel", "voxel", "point"})
       rows.push_back(TRY(play_reel(reel, mode, "opengl")));

@@ -181,7 +181,7 @@ Result<json> measure_software(Renderer& opengl, const fs::path& folder, bool qui
       std::vector<std::string> synth = sequence.options;
       synth.insert(synth.end(), {"-o", clouds});
       TRY(run_program("pointreel-synth", synth));
-      TRY(run_program("pointreel-server", {"pack", "-i", clouds, "-o", reel}));
+      TRY(run_program("pointreel-server", {"pack", "-i", clouds, "-o", reel, "--codec", "octree"}));
       const Figures figures = TRY(make_figures(sequence, count));
       json result = {
           {"name", sequence.name}, {"modes", json::array()}, {"playback", json::array()}};

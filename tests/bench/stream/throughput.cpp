@@ -43,7 +43,8 @@ Result<void> make_reel(const fs::path& scratch, const fs::path& reel, int frames
   const std::string input = (scratch / "throughput-frames").string();
   TRY(run_program("pointreel-synth",
                   {"soccer-shoot", "--frames", std::to_string(frames), "-o", input}));
-  TRY(run_program("pointreel-server", {"pack", "-i", input, "-o", reel.string()}));
+  TRY(run_program("pointreel-server",
+                  {"pack", "-i", input, "-o", reel.string(), "--codec", "octree"}));
   return {};
 }
 

@@ -59,9 +59,8 @@ void set_quantizers(int quality, VideoOptions& options) {
   }
 }
 
-/// Pixels along the cube: those of the voxels of the source, or so many that most pixels of a
-/// surface have a point.
-int side_of(const PackedFrame& frame) {
+/// pixels_of_side, but not limited.
+int wanted_side(const PackedFrame& frame) {
   const double edge = frame.grid.cube.edge;
   if (frame.cleaning.cleaned) return static_cast<int>(edge / (kSpacings * frame.cleaning.spacing));
   const DepthRule& rule = std::get<OctreeOptions>(frame.grid.encode.codec).depth;
@@ -127,11 +126,15 @@ void complete_colors(std::vector<PointCloud>& clouds) {
 
 }  // namespace
 
+int pixels_of_side(const PackedFrame& frame) {
+  return std::clamp(wanted_side(frame), kLeastSide, 1 << kMostLevels);
+}
+
 Result<void> pack_group(std::span<PackedFrame> frames, const PackOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   VideoOptions video;
   const Cube& cube = frames.front().grid.cube;
-  video.side = std::clamp(side_of(frames.front()), kLeastSide, 1 << kMostLevels);
+  video.side = pixels_of_side(frames.front());
   video.pitch = cube.edge / video.side;
   video.preset = options.video->preset;
   video.colors = options.encode.colors;

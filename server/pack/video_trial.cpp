@@ -1,12 +1,12 @@
 #include "server/pack/video_trial.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "codec/core/build.h"
 #include "codec/package/coarsening.h"
 #include "common/base/try.h"
 #include "common/file_system/output_folder.h"
@@ -49,14 +49,6 @@ Result<std::optional<VideoTrial>> compare(SegmentInput& input, const PackOptions
   const std::size_t middle = input.size() / 2;
   const SegmentInput::Cloud source = TRY(input.look(middle));
   const PointCloud& cloud = source->cloud;
-  const DepthRule rule = std::get<OctreeOptions>(grid.encode.codec).depth;
-  const int depth =
-      TRY(sort_to_depth(cloud, grid.cube, coding_rule(rule, cloud.size()), options.encode.executor))
-          .depth;
-  if (depth <= kCoarsestDepth) return std::nullopt;
-  EncodeOptions coarser = no_deeper_than(grid.encode, depth - 1);
-  coarser.normals = false;  // video has none either
-
   PackOptions as_video = options;
   as_video.pack_as_video(*options.video_if_it_pays);
   FrameLimits limits(as_video);
@@ -69,6 +61,9 @@ Result<std::optional<VideoTrial>> compare(SegmentInput& input, const PackOptions
   const auto video_error = TRY(coding_error(std::span(frames).first(middle + 1), as_video));
   if (!video_error) return std::nullopt;
 
+  const int depth = static_cast<int>(std::lround(std::log2(pixels_of_side(frames.front())))) - 1;
+  EncodeOptions coarser = no_deeper_than(grid.encode, std::max(depth, kCoarsestDepth));
+  coarser.normals = false;  // video has none either
   PackedFrame octree;
   octree.source = source;
   std::optional<CodingError> octree_error;
@@ -140,7 +135,7 @@ std::vector<std::string> trial_lines(const VideoTrial& trial) {
   return {fmt::format("  chosen          {}, by a trial on {} frames (--codec overrides)",
                       trial.video_pays() ? "video" : "octrees", trial.frames),
           line("video", trial.video),
-          line(fmt::format("octrees of twice the voxel, quality {}", trial.octree_quality),
+          line(fmt::format("octrees, voxels of two pixels, quality {}", trial.octree_quality),
                trial.octrees)};
 }
 
@@ -153,7 +148,7 @@ nlohmann::ordered_json trial_json(const std::optional<VideoTrial>& trial) {
   return {{"frames", trial->frames},
           {"video_pays", trial->video_pays()},
           {"video", json(trial->video)},
-          {"octrees_of_twice_the_voxel", json(trial->octrees)},
+          {"octrees_of_two_pixels", json(trial->octrees)},
           {"octrees_quality", trial->octree_quality}};
 }
 

@@ -16,8 +16,8 @@
 
 namespace pointreel {
 
-/// Some neighbouring frames packed both as video and as octrees of one level less than asked for,
-/// that is, of voxels twice as large, and with colours that are no better than those of the video.
+/// Some neighbouring frames packed both as video and as octrees with voxels about twice as large as
+/// the pixels of the video, and with colours that are no better.
 struct VideoTrial {
   struct Outcome {
     double bytes = 0.0;  ///< of a frame, on average

@@ -41,7 +41,7 @@ class VideoTrialTest : public PackFolder {
 };
 
 /// A dense surface with colours that change slowly.
-PointCloud smooth(std::size_t points = 250'000) {
+PointCloud smooth(std::size_t points = 210'000) {
   PointCloud cloud = ellipsoid(points);
   for (std::size_t i = 0; i < points; ++i)
     cloud.colors[i] = glm::u16vec3(32768.0f + 30000.0f * glm::sin(4.0f * cloud.positions[i]));
@@ -77,6 +77,20 @@ TEST_F(VideoTrialTest, what_is_no_surface_becomes_octrees) {
   const auto trial = choose();
   EXPECT_FALSE(trial && trial->video_pays());
   EXPECT_FALSE(options_.video);
+}
+
+TEST_F(VideoTrialTest, octrees_show_what_video_cannot_show_in_a_later_segment) {
+  write_frames(smooth(), 15);
+  PointCloud far = smooth();
+  for (glm::vec3& at : far.positions) at.x += 1000.0f;
+  write(15, far);
+  options_.video_if_it_pays->segment_frames = 8;
+  const PackSummary summary = packed();
+  EXPECT_EQ(summary.codec, "octree");
+  EXPECT_EQ(summary.frames, 16u);
+  EXPECT_FALSE(summary.trial);
+  EXPECT_THAT(summary.warnings,
+              testing::Contains(testing::HasSubstr("packed as octrees, because video failed: ")));
 }
 
 TEST_F(VideoTrialTest, all_parts_of_a_plan_agree) {

@@ -30,6 +30,8 @@ constexpr int kMostLevels = 11, kLeastSide = 16;
 constexpr double kMergedShare = 0.6;
 /// The edge of a pixel in spacings of cleaned points.
 constexpr double kSpacings = 1.25;
+/// Pixels that are larger than this lose most points.
+constexpr double kMostPixelVoxels = 4.0;
 /// What is fewer pixels long is not recognised; it is looked for in about so many points.
 constexpr double kFewPixels = 16.0;
 constexpr std::size_t kLooked = 4096;
@@ -60,22 +62,23 @@ void set_quantizers(int quality, VideoOptions& options) {
 }
 
 /// pixels_of_side, but not limited.
-int wanted_side(const PackedFrame& frame) {
+double wanted_side(const PackedFrame& frame) {
   const double edge = frame.grid.cube.edge;
-  if (frame.cleaning.cleaned) return static_cast<int>(edge / (kSpacings * frame.cleaning.spacing));
+  if (frame.cleaning.cleaned) return edge / (kSpacings * frame.cleaning.spacing);
   const DepthRule& rule = std::get<OctreeOptions>(frame.grid.encode.codec).depth;
   const int level = rule.kind == DepthRule::Kind::fixed ? rule.depth : rule.most;
-  if (level < kMaxDepth) return 1 << std::min(level, kMostLevels);
+  if (level < kMaxDepth) return std::exp2(level);
   const PointCloud& cloud = frame.source->cloud;
   const SortedPoints sorted = sort_points(cloud, frame.grid.cube, kMostLevels);
   const double wanted = kMergedShare * static_cast<double>(cloud.size());
   for (std::size_t l = 0; l < kMostLevels; ++l) {
     const double cells = sorted.occupied[l], finer = sorted.occupied[l + 1];
     if (finer >= wanted && finer > cells)
-      return static_cast<int>(
-          std::exp2(static_cast<double>(l) + (wanted - cells) / (finer - cells)));
+      return std::exp2(static_cast<double>(l) + (wanted - cells) / (finer - cells));
   }
-  return 1 << kMostLevels;
+  // Cells of a surface grow fourfold with each level.
+  const double cells = std::max(1u, sorted.occupied.back());
+  return std::exp2(kMostLevels) * std::sqrt(std::max(1.0, wanted / cells));
 }
 
 /// Whether the middle half of some of the points is so few pixels long that it may have collapsed.
@@ -94,7 +97,18 @@ bool may_collapse(const PointCloud& cloud, double pitch) {
 /// Octrees are judged by collapse_of, but pixels have no more than kMostLevels.
 Result<void> judge_collapse(PackedFrame& frame, const VideoOptions& video, bool best_effort) {
   const PointCloud& cloud = frame.source->cloud;
-  if (cloud.empty() || !may_collapse(cloud, video.pitch)) return {};
+  if (cloud.empty()) return {};
+  if (frame.pixel_voxels > kMostPixelVoxels) {
+    const std::string why = fmt::format(
+        "{}: pixels of {:.3g} are {:.3g} times as large as what its points keep apart, because the "
+        "points of its segment lie too far apart: let fewer frames share a --segment, remove "
+        "stray points, or use --codec octree",
+        frame.name, video.pitch, frame.pixel_voxels);
+    if (!best_effort) return fail(ErrorCode::limit, why + ", or --best-effort");
+    frame.warnings.push_back(why);
+    return {};
+  }
+  if (!may_collapse(cloud, video.pitch)) return {};
   const int level = static_cast<int>(std::ceil(std::log2(video.side)));
   EncodedFrame as_octree;
   as_octree.depth = level;
@@ -109,7 +123,8 @@ Result<void> judge_collapse(PackedFrame& frame, const VideoOptions& video, bool 
           ? "the frames of its segment lie too far apart: let fewer share a --segment"
           : "some lie too far away, such as " + farthest_text(cloud) + ": remove these");
   if (!best_effort)
-    return fail(ErrorCode::limit, why + ", or --best-effort to pack them nevertheless");
+    return fail(ErrorCode::limit,
+                why + ", use --codec octree, or --best-effort to pack them nevertheless");
   frame.warnings.push_back(why);
   return {};
 }
@@ -127,7 +142,8 @@ void complete_colors(std::vector<PointCloud>& clouds) {
 }  // namespace
 
 int pixels_of_side(const PackedFrame& frame) {
-  return std::clamp(wanted_side(frame), kLeastSide, 1 << kMostLevels);
+  return static_cast<int>(
+      std::clamp<double>(wanted_side(frame), kLeastSide, std::exp2(kMostLevels)));
 }
 
 Result<void> pack_group(std::span<PackedFrame> frames, const PackOptions& options) {
@@ -135,6 +151,8 @@ Result<void> pack_group(std::span<PackedFrame> frames, const PackOptions& option
   VideoOptions video;
   const Cube& cube = frames.front().grid.cube;
   video.side = pixels_of_side(frames.front());
+  const double pixel_voxels = wanted_side(frames.front()) / video.side;
+  for (PackedFrame& frame : frames) frame.pixel_voxels = pixel_voxels;
   video.pitch = cube.edge / video.side;
   video.preset = options.video->preset;
   video.colors = options.encode.colors;

@@ -38,12 +38,14 @@ using Clock = std::chrono::steady_clock;
 /// Packs one segment after another into a folder.
 class Packer {
  public:
+  /// `trial`: because of which frames are packed as video, or null.
   Packer(const PackOptions& options, const PackListener& listener, CloudSequence sequence,
-         const fs::path& folder)
+         const fs::path& folder, const VideoTrial* trial = nullptr)
       : options_(options),
         listener_(listener),
         sequence_(std::move(sequence)),
-        files_(sequence_.frames) {
+        files_(sequence_.frames),
+        trial_(trial) {
     if (options_.name.empty()) options_.name = default_reel_name(options.output);
     if (options_.up_of_files) options_.up = up_of_frame(files_.front()).value_or(options_.up);
     manifest_ = begin_manifest(options_, sequence_);
@@ -90,6 +92,7 @@ class Packer {
   }
 
   Result<void> add(PackedSegment segment) {
+    if (trial_ != nullptr) TRY(trial_->holds_for(segment, options_));
     for (const std::string& line : warnings_.fresh(segment)) warn(line);
     const bool is_first = summary_.segments.empty();
     const SegmentSummary& added = segment.summary;
@@ -135,6 +138,7 @@ class Packer {
   const PackListener& listener_;
   const CloudSequence sequence_;
   const std::span<const CloudFrame> files_;
+  const VideoTrial* const trial_;
   SegmentOutput output_;
   Manifest manifest_;
   PackSummary summary_;
@@ -159,10 +163,12 @@ Result<PackSummary> pack(const PackOptions& options, const PackListener& listene
     chosen.encode.executor = stoppable(tbb_executor(), listener.stop, kInterrupted);
     const PackOptions as_octrees = chosen;
     auto trial = TRY(choose_video(sequence.frames, chosen, listener.stop));
-    auto packed = Packer(chosen, listener, sequence, folder->path()).run();
-    if (!packed && trial && chosen.video && packed.error().code == ErrorCode::limit) {
+    const bool by_trial = trial && chosen.video;
+    auto packed =
+        Packer(chosen, listener, sequence, folder->path(), by_trial ? &*trial : nullptr).run();
+    if (!packed && by_trial && packed.error().code == ErrorCode::limit) {
       // Another segment is not like the one that was tried.
-      sequence.warnings.push_back("packed as octrees, because video failed: " +
+      sequence.warnings.push_back("packed as octrees, because video does not suit all frames: " +
                                   packed.error().message);
       trial.reset();
       folder.reset();

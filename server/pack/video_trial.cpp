@@ -15,6 +15,7 @@
 #include "server/pack/input.h"
 #include "server/pack/pack_frame.h"
 #include "server/pack/pack_group.h"
+#include "server/pack/pack_segment.h"
 
 namespace pointreel {
 namespace {
@@ -30,6 +31,10 @@ constexpr std::size_t kTriedOneIn = 48, kFewestTriedFrames = 3, kMostTriedFrames
 /// of the video; then by twice as much, and so on.
 constexpr int kFirstStep = 4;
 
+/// Where pixels are larger than this, or the mean square of the error is so many times that of the
+/// trial, a segment is not like those that were tried.
+constexpr double kMostPixelVoxelsOfChoice = 1.5, kWorse = 4.0;
+
 /// The bytes of a frame of a whole group. Of frames that were encoded as a group, the first stands
 /// for itself and each other one for those of which there are more.
 double bytes_in_group(std::span<const PackedFrame> frames, std::uint32_t group_frames) {
@@ -41,10 +46,16 @@ double bytes_in_group(std::span<const PackedFrame> frames, std::uint32_t group_f
          group_frames;
 }
 
+bool has_scalars(const PointCloud& cloud, const PackOptions& options) {
+  return cloud.has_scalars() && std::get<OctreeOptions>(options.encode.codec).scalars;
+}
+
 /// Both, as VideoTrial says. Nothing if there is nothing to compare.
 Result<std::optional<VideoTrial>> compare(SegmentInput& input, const PackOptions& options,
                                           const std::stop_token& stop) {
   TRY(input.find_shared_grid(stop));
+  for (std::size_t i = 0; i < input.size(); ++i)
+    if (has_scalars(TRY(input.look(i))->cloud, options)) return std::nullopt;
   const Grid& grid = *input.shared_grid();
   const std::size_t middle = input.size() / 2;
   const SegmentInput::Cloud source = TRY(input.look(middle));
@@ -84,10 +95,6 @@ Result<std::optional<VideoTrial>> compare(SegmentInput& input, const PackOptions
                     {static_cast<double>(octree.encoded.size()), *octree_error}};
 }
 
-bool has_scalars(const PointCloud& cloud, const PackOptions& options) {
-  return cloud.has_scalars() && std::get<OctreeOptions>(options.encode.codec).scalars;
-}
-
 /// The trial of PackOptions::video_if_it_pays. Nothing if it is not worth making.
 Result<std::optional<VideoTrial>> try_video(std::span<const CloudFrame> frames,
                                             const PackOptions& options,
@@ -100,13 +107,35 @@ Result<std::optional<VideoTrial>> try_video(std::span<const CloudFrame> frames,
   {
     const SegmentInput::Cloud first = TRY(input.look(0));
     const std::size_t points = first->cloud.size();
-    if (points < kFewestPoints || points > kMostPoints || has_scalars(first->cloud, options))
-      return std::nullopt;
+    if (points < kFewestPoints || points > kMostPoints) return std::nullopt;
   }
   return compare(input, options, stop);
 }
 
 }  // namespace
+
+Result<void> VideoTrial::holds_for(const PackedSegment& segment, const PackOptions& options) const {
+  const auto fails = [&](const std::string& why) {
+    const SegmentSummary& of = segment.summary;
+    return fail(ErrorCode::limit, fmt::format("frames {} to {} {}", of.first_frame,
+                                              of.first_frame + of.frames - 1, why));
+  };
+  if (segment.pixel_voxels > kMostPixelVoxelsOfChoice)
+    return fails(
+        fmt::format("need pixels that are {:.3g} times as large as what their points "
+                    "keep apart",
+                    segment.pixel_voxels));
+  if (segment.had_scalars && std::get<OctreeOptions>(options.encode.codec).scalars)
+    return fails("have scalar fields");
+  if (!segment.summary.within_rate) return fails("exceed the bit rate");
+  const auto much_worse = [](std::optional<double> later, std::optional<double> tried) {
+    return later && tried && *later > kWorse * *tried;
+  };
+  if (segment.coding_error && (much_worse(segment.coding_error->d1, video.error.d1) ||
+                               much_worse(segment.coding_error->d2, video.error.d2)))
+    return fails("are much farther from their source than those of the trial");
+  return {};
+}
 
 bool VideoTrial::video_pays() const {
   const auto no_worse = [](const auto& one, const auto& other) {

@@ -16,6 +16,8 @@
 
 namespace pointreel {
 
+struct PackedSegment;
+
 /// Some neighbouring frames packed both as video and as octrees with voxels about twice as large as
 /// the pixels of the video, and with colours that are no better.
 struct VideoTrial {
@@ -30,6 +32,8 @@ struct VideoTrial {
 
   /// Whether video takes fewer bytes and is as close to the source.
   bool video_pays() const;
+  /// `limit` if a segment that was packed as video is not like the frames that were tried.
+  Result<void> holds_for(const PackedSegment& segment, const PackOptions& options) const;
 };
 
 /// Makes the trial of PackOptions::video_if_it_pays, and packs as video if that pays. Returns the

@@ -90,7 +90,31 @@ TEST_F(VideoTrialTest, octrees_show_what_video_cannot_show_in_a_later_segment) {
   EXPECT_EQ(summary.frames, 16u);
   EXPECT_FALSE(summary.trial);
   EXPECT_THAT(summary.warnings,
-              testing::Contains(testing::HasSubstr("packed as octrees, because video failed: ")));
+              testing::Contains(testing::HasSubstr(
+                  "packed as octrees, because video does not suit all frames: ")));
+}
+
+TEST_F(VideoTrialTest, octrees_keep_voxels_that_pixels_of_a_larger_cube_would_merge) {
+  PointCloud voxels = smooth();
+  for (glm::vec3& at : voxels.positions) at = glm::round(300.0f * at);
+  write_frames(voxels, 15);
+  for (glm::vec3& at : voxels.positions) at.x += 30'000.0f;
+  write(15, voxels);
+  const PackSummary summary = packed();
+  EXPECT_EQ(summary.codec, "octree");
+  EXPECT_EQ(summary.max_error, 0.0);
+}
+
+TEST_F(VideoTrialTest, octrees_keep_scalar_fields_that_only_other_frames_have) {
+  write_frames(smooth(), 15);
+  PointCloud cloud = smooth();
+  cloud.scalars.push_back({"intensity", {}});
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    cloud.scalars[0].values.push_back(static_cast<float>(i % 100));
+  write(15, cloud);
+  const PackSummary summary = packed();
+  EXPECT_EQ(summary.codec, "octree");
+  EXPECT_GT(summary.scalar_bytes, 0u);
 }
 
 TEST_F(VideoTrialTest, all_parts_of_a_plan_agree) {

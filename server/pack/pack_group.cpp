@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -94,38 +95,43 @@ bool may_collapse(const PointCloud& cloud, double pitch) {
   return true;
 }
 
-/// Octrees are judged by collapse_of, but pixels have no more than kMostLevels.
-Result<void> judge_collapse(PackedFrame& frame, const VideoOptions& video, bool best_effort) {
+/// Why points are lost, or nothing. Octrees are judged by collapse_of, but pixels have no more than
+/// kMostLevels.
+std::optional<std::string> why_lost(const PackedFrame& frame, const VideoOptions& video) {
   const PointCloud& cloud = frame.source->cloud;
-  if (cloud.empty()) return {};
-  if (frame.pixel_voxels > kMostPixelVoxels) {
-    const std::string why = fmt::format(
-        "{}: pixels of {:.3g} are {:.3g} times as large as what its points keep apart, because the "
-        "points of its segment lie too far apart: let fewer frames share a --segment, remove "
-        "stray points, or use --codec octree",
-        frame.name, video.pitch, frame.pixel_voxels);
-    if (!best_effort) return fail(ErrorCode::limit, why + ", or --best-effort");
-    frame.warnings.push_back(why);
-    return {};
+  if (cloud.empty()) return std::nullopt;
+  std::optional<Collapse> collapse;
+  if (may_collapse(cloud, video.pitch)) {
+    const int level = static_cast<int>(std::ceil(std::log2(video.side)));
+    EncodedFrame as_octree;
+    as_octree.depth = level;
+    as_octree.coded_points =
+        static_cast<std::uint32_t>(sort_points(cloud, frame.grid.cube, level).occupied.back());
+    collapse = collapse_of(as_octree, cloud, frame.grid, frame.grid.encode, false);
   }
-  if (!may_collapse(cloud, video.pitch)) return {};
-  const int level = static_cast<int>(std::ceil(std::log2(video.side)));
-  EncodedFrame as_octree;
-  as_octree.depth = level;
-  as_octree.coded_points =
-      static_cast<std::uint32_t>(sort_points(cloud, frame.grid.cube, level).occupied.back());
-  const auto collapse = collapse_of(as_octree, cloud, frame.grid, frame.grid.encode, false);
-  if (!collapse) return {};
-  const std::string why = fmt::format(
-      "{}: its {} points collapse into pixels of {:.3g}, because {}", frame.name, cloud.size(),
-      video.pitch,
-      collapse->far_apart
-          ? "the frames of its segment lie too far apart: let fewer share a --segment"
-          : "some lie too far away, such as " + farthest_text(cloud) + ": remove these");
+  if (collapse)
+    return fmt::format(
+        "its {} points collapse into pixels of {:.3g}, because {}", cloud.size(), video.pitch,
+        collapse->far_apart
+            ? "the frames of its segment lie too far apart: let fewer share a --segment"
+            : "some lie too far away, such as " + farthest_text(cloud) + ": remove these");
+  if (frame.pixel_voxels > kMostPixelVoxels)
+    return fmt::format(
+        "its pixels of {:.3g} are {:.3g} times as large as what its points keep apart, because the "
+        "points of its segment lie too far apart: let fewer frames share a --segment, or remove "
+        "stray points",
+        video.pitch, frame.pixel_voxels);
+  return std::nullopt;
+}
+
+Result<void> judge_loss(PackedFrame& frame, const VideoOptions& video, bool best_effort) {
+  const auto why = why_lost(frame, video);
+  if (!why) return {};
+  const std::string line = fmt::format("{}: {}", frame.name, *why);
   if (!best_effort)
     return fail(ErrorCode::limit,
-                why + ", use --codec octree, or --best-effort to pack them nevertheless");
-  frame.warnings.push_back(why);
+                line + ", use --codec octree, or --best-effort to pack them nevertheless");
+  frame.warnings.push_back(line);
   return {};
 }
 
@@ -159,7 +165,7 @@ Result<void> pack_group(std::span<PackedFrame> frames, const PackOptions& option
   video.threads = tbb::this_task_arena::max_concurrency();
   video.executor = options.encode.executor;
   set_quantizers(options.video->quality, video);
-  for (PackedFrame& frame : frames) TRY(judge_collapse(frame, video, options.best_effort));
+  for (PackedFrame& frame : frames) TRY(judge_loss(frame, video, options.best_effort));
   std::vector<PointCloud> clouds(frames.size());
   for_each(options.encode.executor, static_cast<int>(frames.size()), [&](int i) {
     PointCloud& cloud = clouds[static_cast<std::size_t>(i)];

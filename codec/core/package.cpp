@@ -56,11 +56,12 @@ std::uint64_t frame_time_us(const Manifest& manifest, std::uint32_t frame) {
 std::vector<std::uint32_t> shown_frames(const Manifest& manifest) {
   std::vector<std::uint32_t> shown;
   const std::uint32_t frames = manifest.frame_count();
-  for (std::uint32_t frame = 0; frame < frames; ++frame) {
-    const std::uint64_t end =
-        frame + 1 < frames ? frame_time_us(manifest, frame + 1) : manifest.duration_us;
-    if (manifest.group_frames == 0 || end > frame_time_us(manifest, frame)) shown.push_back(frame);
-  }
+  const auto end_of = [&](std::uint32_t frame) {
+    return frame + 1 < frames ? frame_time_us(manifest, frame + 1) : manifest.duration_us;
+  };
+  for (std::uint32_t frame = 0; frame < frames; ++frame)
+    if (manifest.group_frames == 0 || end_of(frame) > frame_time_us(manifest, frame))
+      shown.push_back(frame);
   return shown;
 }
 

@@ -31,7 +31,8 @@ struct PackedFrame {
   bool unreadable = false;  ///< SourceFrame::unreadable
   CleanReport cleaning;
   SegmentInput::Cloud source;       ///< of video, and of frames that are compared with it
-  double pixel_voxels = 0.0;        ///< of video: a pixel in voxels of the source, or spacings
+  int video_side = 0;               ///< of video: pixels along the cube
+  double pixel_spacings = 0.0;      ///< of video: a pixel in spacings of points, or voxels
   std::string name;                 ///< of video: its file, for errors
   Grid grid;                        ///< of video, without a limit to the octree's levels
   std::vector<std::string> unread;  ///< as LoadedCloud::unread

@@ -31,8 +31,8 @@ constexpr int kMostLevels = 11, kLeastSide = 16;
 constexpr double kMergedShare = 0.6;
 /// The edge of a pixel in spacings of cleaned points.
 constexpr double kSpacings = 1.25;
-/// Pixels that are larger than this lose most points.
-constexpr double kMostPixelVoxels = 4.0;
+/// Pixels that are larger than so many spacings of the points lose most of them.
+constexpr double kLossyPixel = 4.0;
 /// What is fewer pixels long is not recognised; it is looked for in about so many points.
 constexpr double kFewPixels = 16.0;
 constexpr std::size_t kLooked = 4096;
@@ -62,7 +62,8 @@ void set_quantizers(int quality, VideoOptions& options) {
   }
 }
 
-/// pixels_of_side, but not limited.
+/// Pixels along the cube: those of the voxels of the source, or so many that most pixels of a
+/// surface have a point. There may be more than video can have.
 double wanted_side(const PackedFrame& frame) {
   const double edge = frame.grid.cube.edge;
   if (frame.cleaning.cleaned) return edge / (kSpacings * frame.cleaning.spacing);
@@ -115,12 +116,12 @@ std::optional<std::string> why_lost(const PackedFrame& frame, const VideoOptions
         collapse->far_apart
             ? "the frames of its segment lie too far apart: let fewer share a --segment"
             : "some lie too far away, such as " + farthest_text(cloud) + ": remove these");
-  if (frame.pixel_voxels > kMostPixelVoxels)
+  if (frame.pixel_spacings > kLossyPixel)
     return fmt::format(
-        "its pixels of {:.3g} are {:.3g} times as large as what its points keep apart, because the "
+        "its pixels of {:.3g} are {:.3g} times as large as the spacing of its points, because the "
         "points of its segment lie too far apart: let fewer frames share a --segment, or remove "
         "stray points",
-        video.pitch, frame.pixel_voxels);
+        video.pitch, frame.pixel_spacings);
   return std::nullopt;
 }
 
@@ -147,18 +148,16 @@ void complete_colors(std::vector<PointCloud>& clouds) {
 
 }  // namespace
 
-int pixels_of_side(const PackedFrame& frame) {
-  return static_cast<int>(
-      std::clamp<double>(wanted_side(frame), kLeastSide, std::exp2(kMostLevels)));
-}
-
 Result<void> pack_group(std::span<PackedFrame> frames, const PackOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   VideoOptions video;
   const Cube& cube = frames.front().grid.cube;
-  video.side = pixels_of_side(frames.front());
-  const double pixel_voxels = wanted_side(frames.front()) / video.side;
-  for (PackedFrame& frame : frames) frame.pixel_voxels = pixel_voxels;
+  const double wanted = wanted_side(frames.front());
+  video.side = static_cast<int>(std::clamp<double>(wanted, kLeastSide, std::exp2(kMostLevels)));
+  for (PackedFrame& frame : frames) {
+    frame.video_side = video.side;
+    frame.pixel_spacings = wanted / video.side;
+  }
   video.pitch = cube.edge / video.side;
   video.preset = options.video->preset;
   video.colors = options.encode.colors;

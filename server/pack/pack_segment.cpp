@@ -84,7 +84,7 @@ class Writer {
     segment_.normals |= frame.normals;
     cover(segment_.scalars, frame.scalars);
     segment_.had_radii |= frame.had_radii;
-    segment_.pixel_voxels = std::max(segment_.pixel_voxels, frame.pixel_voxels);
+    segment_.pixel_spacings = std::max(segment_.pixel_spacings, frame.pixel_spacings);
     segment_.had_scalars |= frame.had_scalars;
     segment_.scalar_bytes += encoded.scalar_bytes();
     segment_.unread.insert(frame.unread.begin(), frame.unread.end());

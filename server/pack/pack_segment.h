@@ -29,7 +29,7 @@ struct PackedSegment {
   std::vector<ScalarRange> scalars;      ///< that were encoded
   bool had_radii = false, had_scalars = false;
   bool video = false;
-  double pixel_voxels = 0.0;     ///< the largest PackedFrame::pixel_voxels
+  double pixel_spacings = 0.0;   ///< the largest PackedFrame::pixel_spacings
   std::set<std::string> unread;  ///< names of properties that the files have, but clouds do not
   std::uint32_t unreadable_frames = 0;
   std::uint64_t points = 0, coded_points = 0;

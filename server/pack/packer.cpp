@@ -38,12 +38,13 @@ using Clock = std::chrono::steady_clock;
 /// Packs one segment after another into a folder.
 class Packer {
  public:
-  /// `trial`: because of which frames are packed as video, or null.
-  Packer(const PackOptions& options, const PackListener& listener, CloudSequence sequence,
+  /// `trial`: because of which frames are packed as video, or null. It, `listener` and `sequence`
+  /// outlive this object.
+  Packer(const PackOptions& options, const PackListener& listener, const CloudSequence& sequence,
          const fs::path& folder, const VideoTrial* trial = nullptr)
       : options_(options),
         listener_(listener),
-        sequence_(std::move(sequence)),
+        sequence_(sequence),
         files_(sequence_.frames),
         trial_(trial) {
     if (options_.name.empty()) options_.name = default_reel_name(options.output);
@@ -136,7 +137,7 @@ class Packer {
 
   PackOptions options_;  ///< with a name, and with the tables that were learnt
   const PackListener& listener_;
-  const CloudSequence sequence_;
+  const CloudSequence& sequence_;
   const std::span<const CloudFrame> files_;
   const VideoTrial* const trial_;
   SegmentOutput output_;

@@ -31,9 +31,9 @@ constexpr std::size_t kTriedOneIn = 48, kFewestTriedFrames = 3, kMostTriedFrames
 /// of the video; then by twice as much, and so on.
 constexpr int kFirstStep = 4;
 
-/// Where pixels are larger than this, or the mean square of the error is so many times that of the
-/// trial, a segment is not like those that were tried.
-constexpr double kMostPixelVoxelsOfChoice = 1.5, kWorse = 4.0;
+/// Where pixels are larger than so many spacings of the points, or the mean square of the error is
+/// so many times that of the trial, a segment is not like the frames that were tried.
+constexpr double kLargestPixel = 1.5, kWorse = 4.0;
 
 /// The bytes of a frame of a whole group. Of frames that were encoded as a group, the first stands
 /// for itself and each other one for those of which there are more.
@@ -72,7 +72,7 @@ Result<std::optional<VideoTrial>> compare(SegmentInput& input, const PackOptions
   const auto video_error = TRY(coding_error(std::span(frames).first(middle + 1), as_video));
   if (!video_error) return std::nullopt;
 
-  const int depth = static_cast<int>(std::lround(std::log2(pixels_of_side(frames.front())))) - 1;
+  const int depth = static_cast<int>(std::lround(std::log2(frames.front().video_side))) - 1;
   EncodeOptions coarser = no_deeper_than(grid.encode, std::max(depth, kCoarsestDepth));
   coarser.normals = false;  // video has none either
   PackedFrame octree;
@@ -120,11 +120,10 @@ Result<void> VideoTrial::holds_for(const PackedSegment& segment, const PackOptio
     return fail(ErrorCode::limit, fmt::format("frames {} to {} {}", of.first_frame,
                                               of.first_frame + of.frames - 1, why));
   };
-  if (segment.pixel_voxels > kMostPixelVoxelsOfChoice)
+  if (segment.pixel_spacings > kLargestPixel)
     return fails(
-        fmt::format("need pixels that are {:.3g} times as large as what their points "
-                    "keep apart",
-                    segment.pixel_voxels));
+        fmt::format("need pixels that are {:.3g} times as large as the spacing of their points",
+                    segment.pixel_spacings));
   if (segment.had_scalars && std::get<OctreeOptions>(options.encode.codec).scalars)
     return fails("have scalar fields");
   if (!segment.summary.within_rate) return fails("exceed the bit rate");

@@ -21,7 +21,7 @@ int run(int argc, char** argv) {
   add_page_command(app, exit_code, built_in_page());
   add_publish_command(app, exit_code);
   const char* footer =
-      "Exit codes: 0 success; 1 failure, or the package has faults;\n"
+      "Exit status: 0 success; 1 failure, or the package has faults;\n"
       "2 the command line is wrong, or the folder is not a package.";
   app.footer(footer);
   for (const cli::Command command : app.subcommands()) command.footer(footer);

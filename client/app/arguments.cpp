@@ -63,7 +63,7 @@ Result<glm::dvec3> parse_position(const std::string& text) {
 }
 
 Result<Target> parse_target(const std::string& text) {
-  for (const auto& [name, height] : {std::pair("feet", 0.05), {"middle", 0.5}, {"head", 0.92}})
+  for (const auto& [name, height] : kNamedHeights)
     if (text == name) return height;
   if (const auto position = parse_position(text)) return *position;
   return fail(

@@ -31,6 +31,7 @@
 #include "codec/audio/audio_time.h"
 #include "common/base/try.h"
 #include "common/net/url.h"
+#include "common/process/print.h"
 #include "common/process/progress.h"
 
 namespace pointreel {
@@ -60,6 +61,7 @@ class OffscreenPlayer {
     if (!stage_) return {};
     TRY(check_scalar_field(options_.settings, *stage_));
     OffscreenRenderer offscreen = TRY(make_offscreen_renderer(options_.settings.renderer));
+    if (!offscreen.context) say_what_needs_opengl();
     presenter_ = std::make_unique<Presenter>(options_, std::move(offscreen.renderer));
     presenter_->begin(*stage_);
     presenter_->start_clock();
@@ -84,6 +86,14 @@ class OffscreenPlayer {
   }
 
  private:
+  void say_what_needs_opengl() const {
+    const Instancing instancing = options_.settings.draw.instancing;
+    if (instancing == Instancing::pull) return;  // the default
+    print_error("pointreel", fmt::format("--instancing {} is a way of OpenGL and does nothing in "
+                                         "software; --renderer opengl draws with it",
+                                         name(instancing)));
+  }
+
   /// Null if it was stopped.
   Result<std::unique_ptr<Stage>> open_stage() {
     Stage::Options stage = stage_options(options_);
@@ -93,8 +103,9 @@ class OffscreenPlayer {
         [this](const Box& bounds, Up up) { return first_camera(options_, bounds, up, size_); },
         [this](std::size_t source, std::uint32_t frame, const Error& error) {
           const auto& sources = options_.sources;
-          errors_.print(source, sources.size() > 1 ? sources[source].where + ": " : "", frame,
-                        error);
+          errors_.print(source,
+                        sources.size() > 1 ? without_secrets(sources[source].where) + ": " : "",
+                        frame, error);
         });
     while (!stop_.stop_requested()) {
       if (auto opened = opening.poll()) return std::move(*opened);
@@ -173,7 +184,7 @@ class OffscreenPlayer {
           ++lost_;
       }
     } while (has_new_view() && look(camera_at(start_us(options_))));
-    if (!changes.empty()) {
+    if (lost_ == 0) {
       TRY(draw(changes));
       TRY(record(0));
     }
@@ -241,9 +252,8 @@ class OffscreenPlayer {
     };
     auto opened = AudioPasses::open(*audio, fetch, reel.manifest().duration_us, stop_);
     if (!opened)
-      return fail(opened.error().code,
-                  fmt::format("{}: sound: {}; --no-audio records without it",
-                              options_.sources[0].where, opened.error().message));
+      return fail(opened.error().code, fmt::format("{}: sound: {}; --no-audio records without it",
+                                                   stage_->where(0), opened.error().message));
     RecordedSound sound;
     // Called once a picture has been recorded.
     sound.read = [this, begin_us = plan.picture(0).reel_time_us,
@@ -284,10 +294,8 @@ class OffscreenPlayer {
         break;
       }
       const Stage::Update update = stage_->update(now);
-      if (update.ended) {
-        if (auto why = stage_->refusal()) return tl::unexpected(*std::move(why));
-        break;
-      }
+      if (auto why = stage_->refusal()) return tl::unexpected(*std::move(why));
+      if (update.ended) break;
       if (has_new_view() || options_.camera_path) camera_ = camera_at(start_us(options_) + time_us);
       stage_->look(camera_, size_);
       if (!update.changes.empty()) {
@@ -341,8 +349,13 @@ class OffscreenPlayer {
 
   /// The last picture is shown until `end_us`, on the clock of record().
   Result<void> finish(std::uint64_t end_us) {
-    if (!presenter_->shown() && stop_.stop_requested()) return {};
-    if (!presenter_->shown()) return tl::unexpected(nothing_shown(options_));
+    if (presenter_->shown()) TRY(write_files(end_us));
+    auto missing = stop_.stop_requested() ? std::nullopt : nothing_shown(*stage_);
+    if (missing) return tl::unexpected(*std::move(missing));
+    return {};
+  }
+
+  Result<void> write_files(std::uint64_t end_us) {
     if (recorder_) TRY(recorder_->finish(end_us - first_recorded_us_.value_or(end_us)));
     if (options_.screenshot.empty()) return {};
     const auto kept = kept_.find(shown_frame_);

@@ -1,8 +1,11 @@
 #include "client/app/play_command.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -17,6 +20,8 @@
 #include "codec/cloud_options/cloud_options.h"
 #include "common/base/try.h"
 #include "common/command_line/token_option.h"
+#include "common/net/server_tokens.h"
+#include "common/net/url.h"
 
 namespace pointreel {
 namespace {
@@ -30,7 +35,8 @@ Result<void> check_folder_of(const std::string& file) {
 }
 
 constexpr Range kPictureSide{1, kMaxImageSide}, kFps{0.01, 1000.0}, kSeconds{0.0, 1e9},
-    kZoom{0.01, 1000.0}, kForward{kMinSpeed, kMaxSpeed}, kBackward{-kMaxSpeed, -kMinSpeed};
+    kZoom{0.01, 1000.0}, kDistance{1e-9, 1e12}, kForward{kMinSpeed, kMaxSpeed},
+    kBackward{-kMaxSpeed, -kMinSpeed};
 constexpr int kMaxLayers = 255, kMaxSupersample = 4, kMostCache = 1 << 20;
 
 cli::Check within(const Range& range) {
@@ -136,6 +142,13 @@ void PlayCommand::add_sources(cli::Command command) {
                .envname("POINTREEL_TOKEN")
                .type_name("TOKEN")
                .group(group);
+  command
+      .add_option("--token-file", token_file_,
+                  "Tokens of several servers: in each line the address of one, such as wss://HOST, "
+                  "and its token; others get --token")
+      .check(cli::existing_file())
+      .type_name("FILE")
+      .group(group);
   command
       .add_option("--ca-file", options_.ca_file,
                   "Certificates to trust for https:// and wss:// (default: those of the system)")
@@ -246,11 +259,21 @@ void PlayCommand::add_playback(cli::Command command) {
       .check(cli::parsed_by(parse_target))
       .type_name("X,Y,Z|NAME")
       .group(group);
+  const cli::Option zoom =
+      command
+          .add_option(
+              "--zoom", options_.zoom,
+              "How many times larger the scene is shown than as a whole, such as 4 for a close "
+              "view with --target")
+          .check(within(kZoom))
+          .type_name("NUMBER")
+          .group(group);
   command
-      .add_option("--zoom", options_.zoom,
-                  "How many times larger the scene is shown than as a whole, such as 4 for a close "
-                  "view with --target")
-      .check(within(kZoom))
+      .add_option("--distance", options_.distance,
+                  "How far the eye is from what is in the middle of the picture, in the units of "
+                  "the points, such as 0.3 with --target head; instead of --zoom")
+      .check(within(kDistance))
+      .excludes(zoom)
       .type_name("NUMBER")
       .group(group);
 }
@@ -358,14 +381,20 @@ Result<PlayOptions> PlayCommand::options() const {
         std::make_shared<const EnvironmentMap>(TRY(load_environment(environment_)));
   else if (options.settings.draw.light == Light::environment)
     return fail(ErrorCode::argument, "--light environment needs --environment FILE.hdr");
+  if (command_.count("--instancing") > 0 && options.settings.renderer == RendererChoice::software)
+    return fail(ErrorCode::argument,
+                "--instancing is a way of OpenGL and does nothing with --renderer software");
   if (std::string fault = fault_of_token(token_); !fault.empty())
     return fail(ErrorCode::argument, std::move(fault));
   if (positions_.size() > sources_.size())
     return fail(ErrorCode::argument,
                 fmt::format("--at-position is given {} times for {} source{}", positions_.size(),
                             sources_.size(), sources_.size() > 1 ? "s" : ""));
+  ServerTokens tokens;
+  if (!token_file_.empty()) tokens = TRY(at_place("--token-file", ServerTokens::read(token_file_)));
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     options.sources.push_back({sources_[i], {}});
+    if (const std::string* token = tokens.of(sources_[i])) options.sources.back().token = *token;
     if (i < positions_.size()) options.sources.back().place = TRY(parse_position(positions_[i]));
   }
   if (!offscreen_.empty()) options.offscreen = TRY(parse_size(offscreen_, kPictureSide));
@@ -377,9 +406,28 @@ Result<PlayOptions> PlayCommand::options() const {
   if (!target_.empty()) options.target = TRY(parse_target(target_));
   if (!options.record.empty() && !options.offscreen)
     return fail(ErrorCode::argument, "--record needs --offscreen WIDTHxHEIGHT");
+  const auto live = std::ranges::find_if(options.sources, is_live_address, &Stage::Placed::where);
+  if (options.offscreen && options.at && !options.duration && live != options.sources.end())
+    return fail(ErrorCode::argument,
+                fmt::format("--at: {} is live, where one picture of a time cannot be asked for; "
+                            "give --duration as well",
+                            without_secrets(live->where)));
   // These files are written at the end, which may be hours away.
-  for (const std::string* file : {&options.screenshot, &options.record, &options.json})
+  std::vector<std::pair<const char*, std::string>> files;
+  if (options.camera_path) files.emplace_back("--camera", camera_);
+  for (const auto& [option, file] : {std::pair{"--screenshot", &options.screenshot},
+                                     {"--record", &options.record},
+                                     {"--json", &options.json}}) {
     TRY(check_folder_of(*file));
+    if (file->empty() || *file == "-") continue;
+    for (const auto& [other, taken] : files) {
+      std::error_code ignored;
+      if (*file == taken || std::filesystem::equivalent(*file, taken, ignored))
+        return fail(ErrorCode::argument,
+                    fmt::format("{} {}: is the file of {}", option, *file, other));
+    }
+    files.emplace_back(option, *file);
+  }
   return options;
 }
 

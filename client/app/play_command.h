@@ -41,7 +41,7 @@ class PlayCommand {
   std::vector<std::string> sources_, positions_;
   std::string environment_;  ///< a file
   std::string color_range_;
-  std::string up_, offscreen_, camera_, target_, config_;
+  std::string up_, offscreen_, camera_, target_, config_, token_file_;
   bool no_config_ = false;
 };
 

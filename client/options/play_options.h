@@ -21,10 +21,6 @@ struct View {
   double pitch = 0.0;
 };
 
-/// What is in the middle of the picture: a point, or what is at a height of the scene, as a share
-/// of its own height.
-using Target = std::variant<glm::dvec3, double>;
-
 /// Everything that `pointreel play` can be told. The command line has checked that values are in
 /// range and go together.
 struct PlayOptions {
@@ -51,6 +47,7 @@ struct PlayOptions {
   std::optional<View> view;               ///< default: that of Camera::frame_bounds
   std::optional<Target> target;           ///< default: the middle of the scene
   double zoom = 1.0;                      ///< how much larger than as a whole the scene is shown
+  std::optional<double> distance;         ///< from the target to the eye, in place of `zoom`
   std::optional<CameraPath> camera_path;  ///< in place of a view
   int supersample = 1;  ///< pictures that are written are drawn this many times as wide and high
   std::string screenshot, record, json;  ///< paths of files to write; empty: none

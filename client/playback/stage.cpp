@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -40,18 +41,53 @@ std::string stream_name(const std::string& address) {
   return name.substr(0, name.find_first_of("/?#"));
 }
 
-/// Playback begins within at least one of the reels.
+/// Playback begins within at least one of the reels. Those that end before show their last frame,
+/// which `say` is told.
 Result<void> check_start(const std::vector<std::unique_ptr<Source>>& reels,
-                         const std::vector<Stage::Placed>& sources, std::uint64_t start_us) {
-  std::optional<std::size_t> longest;
-  const auto end_of = [&](std::size_t i) { return reels[i]->manifest().duration_us; };
-  for (std::size_t i = 0; i < reels.size(); ++i)
-    if (reels[i] && (!longest || end_of(i) > end_of(*longest))) longest = i;
-  if (!longest || start_us <= end_of(*longest)) return {};
+                         const std::vector<Stage::Placed>& sources, std::uint64_t start_us,
+                         const std::function<void(const std::string&)>& say) {
   const auto seconds = [](std::uint64_t us) { return number_text(static_cast<double>(us) / 1e6); };
-  return fail(ErrorCode::argument,
-              fmt::format("{}: ends at {} s, before {} s, where --at says to begin",
-                          sources[*longest].where, seconds(end_of(*longest)), seconds(start_us)));
+  std::vector<std::string> too_short;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < reels.size(); ++i) {
+    if (!reels[i]) continue;
+    ++count;
+    if (const std::uint64_t end_us = reels[i]->manifest().duration_us; end_us < start_us)
+      too_short.push_back(fmt::format("{}: ends at {} s, before {} s, where --at says to begin",
+                                      without_secrets(sources[i].where), seconds(end_us),
+                                      seconds(start_us)));
+  }
+  if (!too_short.empty() && too_short.size() == count)
+    return fail(ErrorCode::argument, too_short.front());
+  for (const std::string& line : too_short)
+    if (say) say("warning: " + line + "; its last frame is shown");
+  return {};
+}
+
+/// Recordings that were captured in part at the same time, as of one meeting, all start together:
+/// `say` is told how to show them as they were.
+void tell_apart(const std::vector<std::unique_ptr<Source>>& reels,
+                const std::vector<Stage::Placed>& sources,
+                const std::function<void(const std::string&)>& say) {
+  constexpr std::uint64_t kTogether = 50'000;
+  std::optional<std::size_t> last;  // the reel that was captured last
+  for (std::size_t i = 0; i < reels.size(); ++i) {
+    if (!reels[i] || !reels[i]->manifest().captured_us) continue;
+    if (!last || *reels[i]->manifest().captured_us > *reels[*last]->manifest().captured_us)
+      last = i;
+  }
+  for (std::size_t i = 0; last && say && i < reels.size(); ++i) {
+    if (!reels[i] || !reels[i]->manifest().captured_us) continue;
+    const Manifest& manifest = reels[i]->manifest();
+    const std::uint64_t later = *reels[*last]->manifest().captured_us - *manifest.captured_us;
+    if (later < kTogether || later >= manifest.duration_us) continue;
+    const std::string name = without_secrets(sources[i].where);
+    say(fmt::format(
+        "warning: {}: was captured {:.3f} s after {}, but both start together; "
+        "\"pointreel-server cut {} NEW --from {:.3f}\" makes a reel that begins with it",
+        without_secrets(sources[*last].where), 1e-6 * static_cast<double>(later), name, name,
+        1e-6 * static_cast<double>(later)));
+  }
 }
 
 }  // namespace
@@ -96,6 +132,7 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
   Box bounds;
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const std::string& where = sources[i].where;
+    source_options.token = sources[i].token.empty() ? options.source.token : sources[i].token;
     const std::vector<std::filesystem::path>& files = sources[i].files;
     if (files.empty() && is_live_address(where)) {
       streams[i] = TRY(open_live_source(where, source_options));
@@ -103,10 +140,12 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
     }
     reels[i] = TRY(files.empty() ? open_source(where, source_options)
                                  : open_file_sequence(files, source_options));
-    if (reels[i]->manifest().frame_count() == 0) return fail(where + ": the reel has no frames");
+    if (reels[i]->manifest().frame_count() == 0)
+      return fail(without_secrets(where) + ": the reel has no frames");
     grow(bounds, reels[i]->manifest().bounds, sources[i].place);
   }
-  TRY(check_start(reels, sources, options.reel.start_us));
+  TRY(check_start(reels, sources, options.reel.start_us, source_options.say));
+  tell_apart(reels, sources, source_options.say);
   const auto first_reel =
       std::find_if(reels.begin(), reels.end(), [](const auto& reel) { return reel != nullptr; });
   const Camera camera =
@@ -119,7 +158,7 @@ Result<std::unique_ptr<Stage>> Stage::open(const std::vector<Placed>& sources,
     const auto failed = [i, listener](std::uint32_t frame, const Error& error) {
       listener->failed(i, frame, error);
     };
-    Part part{sources[i].where, sources[i].place, {}, {}, {}};
+    Part part{without_secrets(sources[i].where), sources[i].place, {}, {}, {}};
     if (reels[i]) {
       ReelPlayback::Options reel = options.reel;
       reel.prepare = options.prepare;
@@ -235,13 +274,11 @@ Stage::Update Stage::update(Clock::TimePoint now) {
 }
 
 std::optional<Error> Stage::refusal() const {
-  std::optional<Error> first;
   for (const Part& part : parts_) {
     auto why = part.live() != nullptr ? part.live()->refusal() : std::nullopt;
-    if (!why) return std::nullopt;
-    if (!first) first = std::move(why);
+    if (why) return why;
   }
-  return first;
+  return std::nullopt;
 }
 
 std::vector<Stage::Placed> sources_of(const std::vector<std::string>& paths) {

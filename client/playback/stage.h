@@ -39,6 +39,7 @@ class Stage {
     glm::dvec3 place{0.0};
     /// If there are any, they are played as one reel, and `where` is only its name for the user.
     std::vector<std::filesystem::path> files = {};
+    std::string token = {};  ///< in place of Options::source.token, if there is one
   };
   /// Called by any thread for each frame that cannot be shown; `source` is the source's index.
   using OnError = std::function<void(std::size_t source, std::uint32_t frame, const Error&)>;
@@ -52,6 +53,7 @@ class Stage {
                                              OnError on_error);
 
   std::size_t size() const { return parts_.size(); }
+  /// For people: without secrets.
   const std::string& where(std::size_t i) const { return parts_[i].where; }
   const glm::dvec3& place(std::size_t i) const { return parts_[i].place; }
   const Playback& playback(std::size_t i) const { return parts_[i].playback(); }
@@ -102,7 +104,7 @@ class Stage {
     std::optional<Clock::TimePoint> due = {};  ///< the earliest of all sources
   };
   Update update(Clock::TimePoint now);
-  /// Why the servers of all sources have refused this viewer; none if something plays.
+  /// Why a source's server has refused this viewer; none if none has.
   std::optional<Error> refusal() const;
   /// Puts a frame into the scene, whatever time it is.
   std::vector<Change> take(std::size_t source, std::shared_ptr<const SceneFrame> frame);

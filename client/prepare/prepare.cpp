@@ -146,27 +146,28 @@ void color_by_scalar(SceneFrame& scene, const FrameInfo& info, const ScalarChoic
 
 /// Adds the normals that the mode needs, and removes those that it does not need, so that a reel
 /// looks the same wherever it comes from.
-void derive_normals(SceneFrame& scene, const PrepareOptions& options) {
+void derive_normals(SceneFrame& scene, const FrameInfo& info, const PrepareOptions& options) {
   PointCloud& cloud = scene.cloud;
   if (!draws_normals(options.mode, cloud.has_colors(), options.show_normals)) {
     cloud.normals.clear();
-  } else if (!cloud.has_normals()) {
-    estimate_normals(cloud, tbb_executor());
-    scene.normals_estimated = true;
+    return;
   }
+  scene.normals_estimated = info.normals_estimated || !cloud.has_normals();
+  if (!cloud.has_normals()) estimate_normals(cloud, tbb_executor());
 }
 
 /// The same for a tree.
-void derive_node_normals(SceneFrame& scene, const PrepareOptions& options) {
+void derive_node_normals(SceneFrame& scene, const FrameInfo& info, const PrepareOptions& options) {
   NodeAttributes& attributes = scene.attributes;
   if (!draws_normals(options.mode, !attributes.colors.empty(), options.show_normals)) {
     attributes.normals.clear();
-  } else if (attributes.normals.empty()) {
-    PointCloud leaves = leaf_centers(scene.svo);
-    estimate_normals(leaves, tbb_executor());
-    attributes.normals = mean_normal_lines(scene.svo, leaves, tbb_executor());
-    scene.normals_estimated = true;
+    return;
   }
+  scene.normals_estimated = info.normals_estimated || attributes.normals.empty();
+  if (!attributes.normals.empty()) return;
+  PointCloud leaves = leaf_centers(scene.svo);
+  estimate_normals(leaves, tbb_executor());
+  attributes.normals = mean_normal_lines(scene.svo, leaves, tbb_executor());
 }
 
 /// The rule for the level that is drawn as voxels. A few points lie apart on any level; their
@@ -318,7 +319,8 @@ Result<void> make_elements(SceneFrame& scene, const Cube& cube, const PrepareOpt
 
 FrameInfo frame_info(const Manifest& manifest, std::uint32_t index) {
   const Segment& segment = manifest.segments[locate(manifest, index).segment];
-  return {index, frame_time_us(manifest, index), segment.cube, manifest.scalars};
+  return {index, frame_time_us(manifest, index), segment.cube, manifest.scalars,
+          manifest.normals_estimated};
 }
 
 double spacing_for(const PrepareOptions& options, const Cube& cube) {
@@ -364,7 +366,7 @@ Result<SceneFrame> prepare_decoded(DecodedFrame frame, const FrameInfo& info,
     constexpr std::uint32_t kMany = 100;
     scene.boxes = frame_boxes(scene.svo, scene.points, whole);
     if (scene.svo.leaf_count() <= 1 && scene.points < kMany) scene.boxes.main = {};
-    derive_node_normals(scene, options);
+    derive_node_normals(scene, info, options);
     scene.normals_ms = watch.lap();
     TRY(check(stopped));
     if (options.mode == DrawMode::voxel) {
@@ -380,7 +382,7 @@ Result<SceneFrame> prepare_decoded(DecodedFrame frame, const FrameInfo& info,
     if (by_scalar) color_by_scalar(scene, info, options.scalar);
     scene.cloud.scalars = {};
     scene.boxes = frame_boxes(scene.cloud);
-    derive_normals(scene, options);
+    derive_normals(scene, info, options);
     scene.normals_ms = watch.lap();
     TRY(check(stopped));
     if (options.mode == DrawMode::voxel) {

@@ -48,6 +48,7 @@ struct FrameInfo {
   std::uint64_t time_us = 0;  ///< from the reel's start, or when it was captured, as Unix time
   Cube cube = {};             ///< of a tree that is built of a cloud without one of its own
   std::vector<ScalarRange> scalars = {};  ///< ReelHead::scalars
+  bool normals_estimated = false;         ///< Manifest::normals_estimated
 };
 /// index < manifest.frame_count().
 FrameInfo frame_info(const Manifest& manifest, std::uint32_t index);

@@ -43,6 +43,7 @@ std::string matroska_head(std::uint32_t width, std::uint32_t height) {
   const std::string track = number(0xD7, 1)                           // TrackNumber
                             + number(0x73C5, 1)                       // TrackUID
                             + number(0x83, 1)                         // TrackType: video
+                            + number(0x23E383, 1000 * kPictureUs)     // DefaultDuration
                             + element(0x86, "V_UNCOMPRESSED")         // CodecID
                             + element(0xE0, video);                   // Video
   return element(0x1A45DFA3, ebml) + begin(0x18538067, kUnknownSize)  // Segment

@@ -10,6 +10,9 @@ namespace pointreel {
 // that carries both through a pipe. The stream has unknown length, one track of uncompressed RGB
 // with 8 bits per channel, and times in microseconds.
 
+/// How long a picture is said to last if none comes behind it.
+inline constexpr std::uint64_t kPictureUs = 20'000;
+
 /// The bytes before the first picture.
 std::string matroska_head(std::uint32_t width, std::uint32_t height);
 /// The bytes before those of each picture.

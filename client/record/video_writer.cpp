@@ -116,6 +116,7 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const std::string& path
 Result<void> VideoWriter::start(glm::ivec2 size, const std::optional<FrameRate>& rate,
                                 std::optional<RecordedSound> sound, const std::string& program) {
   size_ = size;
+  has_rate_ = rate.has_value();
   // Sockets and not pipes, because sending to them can be told not to raise SIGPIPE.
   const auto connected = [](std::array<int, 2>& ends) {
     return socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) == 0;
@@ -154,6 +155,11 @@ Result<void> VideoWriter::add(const Image& picture, std::uint64_t time_us) {
   if (last_time_us_) time_us = std::max(time_us, *last_time_us_ + 1);
   last_time_us_ = time_us;
   if (sound_) sound_->allow(time_us);
+  if (!has_rate_) last_ = picture;
+  return send(picture, time_us);
+}
+
+Result<void> VideoWriter::send(const Image& picture, std::uint64_t time_us) {
   const std::size_t bytes = picture.pixels.size() * sizeof(picture.pixels[0]);
   const std::string head = matroska_picture_head(time_us, bytes);
   if (!send(head.data(), head.size()) || !send(picture.pixels.data(), bytes)) return died();
@@ -162,6 +168,9 @@ Result<void> VideoWriter::add(const Image& picture, std::uint64_t time_us) {
 }
 
 Result<void> VideoWriter::finish(std::uint64_t end_us) {
+  // ffmpeg knows when pictures begin, and not when the last one ends.
+  if (!has_rate_ && last_time_us_ && end_us >= *last_time_us_ + 2 * kPictureUs)
+    TRY(send(last_, end_us - kPictureUs));
   // ffmpeg may read the last pictures before the sound.
   if (input_ >= 0) close(std::exchange(input_, -1));
   if (const auto sounded = sound_ ? sound_->finish(end_us) : Result<void>(); !sounded) {

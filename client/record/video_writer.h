@@ -23,7 +23,8 @@ Result<void> find_ffmpeg(const std::string& program = "ffmpeg");
 /// BT.709 with 8 bits and 4:2:0, which needs an even size: an odd row or column at the edge is cut
 /// off. With a rate, each picture lasts exactly as long as the rate says, and times are ignored.
 /// Without a rate, pictures begin at their times, with the resolution of the container:
-/// microseconds in .mp4, else milliseconds.
+/// microseconds in .mp4, else milliseconds. The last picture comes a second time shortly before its
+/// end, from which ffmpeg knows when that is.
 ///
 /// Sound begins with the first picture and ends with the last one, to the sample; it is AAC in
 /// .mp4, which ends in up to 21 ms of silence more, and Opus elsewhere.
@@ -57,6 +58,7 @@ class VideoWriter : public Recorder {
                      std::optional<RecordedSound> sound, const std::string& program);
   /// Returns false if ffmpeg has ended.
   bool send(const void* bytes, std::size_t size) const;
+  Result<void> send(const Image& picture, std::uint64_t time_us);
   /// Lets ffmpeg end, and says whether it says that all went well.
   bool wait();
   /// Whether the file is whole. `end_us`: when the sound ends.
@@ -69,8 +71,10 @@ class VideoWriter : public Recorder {
   int input_ = -1;  ///< a socket to ffmpeg's standard input
   std::optional<Ffmpeg> ffmpeg_;
   std::optional<AudioFeed> sound_;
+  bool has_rate_ = false;
   std::uint64_t pictures_ = 0;
   std::optional<std::uint64_t> last_time_us_;
+  Image last_;  ///< without a rate
 };
 
 }  // namespace pointreel

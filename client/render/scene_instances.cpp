@@ -43,10 +43,13 @@ Result<void> SceneInstances::update(const Scene& scene, const Camera& camera, gl
   origin_ = glm::dvec3(0.0);
   bounds_ = {};
   std::size_t count = 0;
+  undivided_ = 0;
   for (std::size_t i = 0; i < scene.size(); ++i) {
     if (!scene[i].frame) continue;
     if (count == 0) origin_ = scene[i].place + origin_of(*scene[i].frame, parts_[i].is_tree);
-    count += pack(scene[i], parts_[i], out.subspan(count, parts_[i].most));
+    const std::size_t packed = pack(scene[i], parts_[i], out.subspan(count, parts_[i].most));
+    count += packed;
+    undivided_ += packed - parts_[i].refinement.surfels().size();
   }
   memory.keep(count);
   return {};

@@ -9,6 +9,7 @@
 
 #include <glm/glm.hpp>
 
+#include "client/render/hole_rules.h"
 #include "client/render/instance.h"
 #include "client/render/instances.h"
 #include "client/render/region.h"
@@ -46,6 +47,8 @@ class SceneInstances {
   bool normals_estimated() const { return normals_estimated_; }
   /// Whether some frame is shown in colours of its own, which have light in them already.
   bool colored() const { return colored_; }
+  /// One in this many surfels keeps its back.
+  std::uint32_t one_back_in() const { return hole_rules::one_back_in(undivided_); }
   const Stats& stats() const { return stats_; }
 
  private:
@@ -76,6 +79,7 @@ class SceneInstances {
   InstanceBounds bounds_;
   glm::dvec3 origin_{0.0};
   bool normals_estimated_ = false, colored_ = false;
+  std::size_t undivided_ = 0;  ///< instances that are not in place of larger surfels
   Stats stats_;
 };
 

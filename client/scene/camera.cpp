@@ -9,6 +9,7 @@ namespace {
 constexpr double kHighestPitch = 1.553;  // 89 degrees
 constexpr double kFrontPitch = 0.15;     // "slightly from above"
 constexpr double kMargin = 1.04;
+constexpr double kMostCovered = 0.4;
 constexpr double kNearest = 1e-3, kFarthest = 1e3;  // of the scene's radius
 
 }  // namespace
@@ -24,25 +25,42 @@ glm::dmat3 Camera::axes() const {
   return {right, glm::cross(back, right), back};
 }
 
+void Camera::aim_at(const Target& at, const Box& box) {
+  if (const auto* point = std::get_if<glm::dvec3>(&at)) {
+    target = *point;
+  } else {
+    target = box.center() + (std::get<double>(at) - 0.5) * box.extent()[up.axis()] * up.direction();
+  }
+}
+
 void Camera::frame_bounds(const Box& box, double aspect) {
+  yaw = 0.0;
+  pitch = kFrontPitch;
+  fit(box, aspect);
+}
+
+void Camera::fit(const Box& box, double aspect, double covered) {
   target = box.center();
   glm::dvec3 half = 0.5 * box.extent();
   if (!(glm::length(half) > 0.0)) half = glm::dvec3(0.5);
   scene_radius = glm::length(half);
-  yaw = 0.0;
-  pitch = kFrontPitch;
 
-  // A corner is visible if |y| <= t (d - z) and |x| <= t aspect (d - z), t the tangent of half the
-  // field of view: the least distance d follows for each corner.
+  // The target is moved down by c t d, with the covered share c, the distance d and the tangent t
+  // of half the field of view. A corner is then visible if |x| <= t aspect (d - z) and
+  // -(1 - 2 c) t (d - z) <= y + c t d <= t (d - z): the least distance follows for each corner.
   const glm::dmat3 to_eye = glm::transpose(axes());
-  const double t = std::tan(0.5 * fov_y) / kMargin;
+  const double t = std::tan(0.5 * fov_y), inner = t / kMargin;
+  const double c = std::clamp(covered, 0.0, kMostCovered), below = (1.0 - 2.0 * c) * inner;
   distance = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 sign(corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0,
                           corner & 4 ? 1.0 : -1.0);
     const glm::dvec3 p = to_eye * (sign * half);
-    distance = std::max(distance, p.z + std::max(std::abs(p.y), std::abs(p.x) / aspect) / t);
+    distance =
+        std::max({distance, p.z + std::abs(p.x) / (aspect * inner),
+                  (p.y + inner * p.z) / (inner - c * t), (below * p.z - p.y) / (below + c * t)});
   }
+  pan(0.0, -0.5 * c);
 }
 
 void Camera::orbit(double yaw_by, double pitch_by) {

@@ -1,11 +1,17 @@
 #pragma once
 
+#include <variant>
+
 #include <glm/glm.hpp>
 
 #include "pointreel/geometry.h"
 #include "pointreel/up.h"
 
 namespace pointreel {
+
+/// What is in the middle of the picture: a point, or what is at a height of the scene, as a share
+/// of its own height.
+using Target = std::variant<glm::dvec3, double>;
 
 /// A camera that orbits a target. World coordinates are double and in the source's units; angles
 /// are radians. Eye space is OpenGL's: x right, y up, and the camera looks along -z.
@@ -26,10 +32,16 @@ struct Camera {
   glm::dmat3 axes() const;
   glm::dvec3 eye() const { return target + distance * axes()[2]; }
 
-  /// Sets target, distance and scene radius, and turns the camera to the front view, slightly from
-  /// above, so that the whole box is visible with a margin in a picture of the given width over
-  /// height. An empty box, or one without extent, is shown as a box of edge 1.
+  /// Sets target, distance and scene radius so that the whole box is visible with a margin, from
+  /// where the camera looks now, in a picture of the given width over height. `covered`: the share
+  /// of the picture's height, at its bottom, that is to stay free. An empty box, or one without
+  /// extent, is shown as a box of edge 1.
+  void fit(const Box& box, double aspect, double covered = 0.0);
+  /// The same after turning the camera to the front view, slightly from above.
   void frame_bounds(const Box& box, double aspect);
+
+  /// Sets the target. `box`: the scene whose height is meant.
+  void aim_at(const Target& at, const Box& box);
 
   /// Turns the eye about the target. Stops short of the poles.
   void orbit(double yaw_by, double pitch_by);

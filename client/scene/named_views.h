@@ -21,4 +21,13 @@ inline constexpr std::array kNamedViews = {
     NamedView{"bottom", 0.0, -0.5 * std::numbers::pi},
 };
 
+/// What the camera looks at, as a share of the height of what the picture shows.
+struct NamedHeight {
+  std::string_view name;
+  double height;
+};
+
+inline constexpr std::array kNamedHeights = {NamedHeight{"feet", 0.05}, NamedHeight{"middle", 0.5},
+                                             NamedHeight{"head", 0.92}};
+
 }  // namespace pointreel

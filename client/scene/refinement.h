@@ -8,22 +8,13 @@
 #include <vector>
 
 #include <glm/glm.hpp>
-#include <glm/gtc/type_precision.hpp>
 
 #include "client/scene/camera.h"
+#include "client/scene/divided_patch.h"
 #include "client/scene/frame.h"
 #include "codec/surface/point_surface.h"
 
 namespace pointreel {
-
-/// A surfel between those of a frame, or in place of one.
-struct RefinedSurfel {
-  glm::vec3 position;  ///< relative to the frame's origin (that of the cube, or of the cloud)
-  float radius;
-  float of_divided;    ///< radius of the surfel that was divided
-  glm::vec3 normal;    ///< of unit length
-  glm::u16vec3 color;  ///< as in PointCloud; black if the frame has no colours
-};
 
 /// Divides the surfels of a frame that look larger than a few pixels, so that a close view shows a
 /// surface and not discs: view-dependent up-sampling (G. Guennebaud, M. Germann, M. Gross, "Dynamic
@@ -64,8 +55,9 @@ class Refinement {
   PointCloud points_;
   std::vector<std::uint32_t> at_;  ///< of a point: its place in that order
   std::optional<PointSurface> surface_;
+  std::vector<float> spacings_;       ///< about the distance between neighbours
+  std::vector<std::uint32_t> slots_;  ///< of the patches of points; kNoSlot if there is none yet
   std::vector<SurfacePatch> patches_;
-  std::vector<bool> fitted_;
   // Of the last camera:
   std::vector<RefinedSurfel> surfels_;
   std::vector<bool> divided_;

@@ -59,7 +59,7 @@ void TroubleLines::look(const Stage& stage, Progress* progress) {
     const Playback& playback = stage.playback(i);
     std::optional<std::string> trouble = playback.trouble();
     if (trouble && trouble != troubles_[i]) print_line(progress, *trouble);
-    if (!trouble && troubles_[i]) print_line(progress, playback.name() + ": recovered");
+    if (!trouble && troubles_[i]) print_line(progress, playback.name() + ": connected");
     troubles_[i] = std::move(trouble);
   }
 }

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "common/base/words.h"
+#include "common/net/url.h"
 #include "common/process/print.h"
 
 namespace pointreel {
@@ -54,7 +55,8 @@ namespace {
 
 std::string names_of(const std::vector<Stage::Placed>& sources) {
   std::string names;
-  for (const Stage::Placed& source : sources) names += (names.empty() ? "" : ", ") + source.where;
+  for (const Stage::Placed& source : sources)
+    names += (names.empty() ? "" : ", ") + without_secrets(source.where);
   return names;
 }
 
@@ -66,8 +68,12 @@ Error nothing_came(const PlayOptions& options) {
           ErrorCode::io};
 }
 
-Error nothing_shown(const PlayOptions& options) {
-  return {names_of(options.sources) + ": no frame could be shown"};
+std::optional<Error> nothing_shown(const Stage& stage) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < stage.size(); ++i)
+    if (stage.scene()[i].frame == nullptr) names.push_back(stage.where(i));
+  if (names.empty()) return std::nullopt;
+  return Error{fmt::format("{}: no frame could be shown", fmt::join(names, ", "))};
 }
 
 std::uint64_t start_us(const PlayOptions& options) {
@@ -78,16 +84,16 @@ Camera camera_at(const PlayOptions& options, std::uint64_t time_us, const Box& b
                  glm::ivec2 size) {
   Camera camera;
   camera.up = up;
-  camera.frame_bounds(bounds, static_cast<double>(size.x) / size.y);
+  const double aspect = static_cast<double>(size.x) / size.y;
   if (options.view) {
-    camera.yaw = camera.pitch = 0.0;
     camera.orbit(options.view->yaw, options.view->pitch);
+    camera.fit(bounds, aspect);
+  } else {
+    camera.frame_bounds(bounds, aspect);
   }
-  if (const auto* point = options.target ? std::get_if<glm::dvec3>(&*options.target) : nullptr)
-    camera.target = *point;
-  if (const auto* height = options.target ? std::get_if<double>(&*options.target) : nullptr)
-    camera.target += (*height - 0.5) * bounds.extent()[up.axis()] * up.direction();
+  if (options.target) camera.aim_at(*options.target, bounds);
   camera.zoom(1.0 / options.zoom);
+  if (options.distance) camera.distance = *options.distance;
   return options.camera_path ? options.camera_path->at(time_us, camera) : camera;
 }
 
@@ -101,10 +107,13 @@ Result<void> check_scalar_field(const Settings& settings, const Stage& stage) {
   if (field.empty() || std::ranges::find(names, field) != names.end()) return {};
   for (std::size_t i = 0; i < stage.size(); ++i)
     if (stage.live(i) != nullptr) return {};
+  const std::string which =
+      stage.size() == 1 ? stage.playback(0).name() + " has" : "the sources have";
   return fail(ErrorCode::argument,
-              fmt::format("--color {}: there is no such scalar field; {}", field,
-                          names.empty() ? "there are none"
-                                        : fmt::format("there are {}", fmt::join(names, ", "))));
+              fmt::format("--color {}: {}", field,
+                          names.empty() ? fmt::format("{} no scalar fields", which)
+                                        : fmt::format("there is no such scalar field; there are {}",
+                                                      fmt::join(names, ", "))));
 }
 
 std::optional<FloorGrid> floor_under(const Stage& stage, const Camera& camera) {

@@ -25,8 +25,8 @@ std::chrono::steady_clock::time_point end_of_duration(const PlayOptions& options
 
 /// The error if no frame has come until then.
 Error nothing_came(const PlayOptions& options);
-/// The error if all is over, and none could be shown.
-Error nothing_shown(const PlayOptions& options);
+/// The error if all is over, and there are sources of which no frame could be shown.
+std::optional<Error> nothing_shown(const Stage& stage);
 
 /// The time of the reel at which playback begins.
 std::uint64_t start_us(const PlayOptions& options);

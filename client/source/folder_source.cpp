@@ -16,6 +16,8 @@ namespace pointreel {
 namespace {
 
 constexpr std::uint64_t kMaxFileBytes = std::uint64_t{4} << 30;
+/// So many frames are looked at for the bounds of all, if the first has at most so many points.
+constexpr std::size_t kLooks = 4, kQuickPoints = 1'000'000;
 
 class FolderSource : public Source {
  public:
@@ -71,25 +73,44 @@ Result<std::unique_ptr<Source>> open_files(const std::vector<std::filesystem::pa
   };
   manifest.duration_us = time_of(files.size());
 
-  std::optional<Error> first_error;
-  bool found = false;
-  for (const CloudFrame& file : files) {
+  const auto read = [&](const CloudFrame& file) -> Result<LoadedCloud> {
     if (options.stop.stop_requested())
       return fail(ErrorCode::cancelled, file.name() + ": reading was cancelled");
-    auto loaded = read_cloud_frame(file, {.max_memory = options.max_memory});
+    auto loaded = TRY(read_cloud_frame(file, {.max_memory = options.max_memory}));
+    place(loaded.cloud, options.placement);
+    return loaded;
+  };
+  std::optional<Error> first_error;
+  bool found = false;
+  std::size_t next = 0, points = 0;
+  while (next < files.size() && points == 0) {
+    const auto loaded = read(files[next++]);
     if (!loaded) {
+      if (loaded.error().code == ErrorCode::cancelled) return tl::unexpected(loaded.error());
       if (!first_error) first_error = loaded.error();
       continue;
     }
     found = true;
-    place(loaded->cloud, options.placement);
+    points = loaded->cloud.size();
     manifest.bounds = bounds(loaded->cloud);
     manifest.colors = loaded->cloud.has_colors();
     manifest.normals = loaded->cloud.has_normals();
     manifest.scalars = ranges_of(loaded->cloud);
-    if (!loaded->cloud.empty()) break;
   }
   if (!found) return tl::unexpected(*first_error);
+  // Where the scene moves to, as far as that is seen in a moment.
+  if (points > 0 && points <= kQuickPoints) {
+    for (std::size_t i = 1; i <= kLooks; ++i) {
+      const std::size_t at = i * (files.size() - 1) / kLooks;
+      if (at < next) continue;
+      next = at + 1;
+      const auto loaded = read(files[at]);
+      if (!loaded && loaded.error().code == ErrorCode::cancelled)
+        return tl::unexpected(loaded.error());
+      if (!loaded || loaded->cloud.empty()) continue;
+      manifest.bounds.grow(bounds(loaded->cloud));
+    }
+  }
   // Who turns files means them to be upright then.
   if (options.placement.rotation == glm::dmat3(1.0))
     manifest.up = up_of_frame(files.front()).value_or(manifest.up);

@@ -13,7 +13,8 @@ Result<std::unique_ptr<LiveSource>> open_live_source(const std::string& url,
   const Url parsed = TRY(parse_url(url));
   if (parsed.is_websocket()) return open_websocket_live_source(url, options);
   if (parsed.is_http()) return open_http_live_source(url, options);
-  return fail(ErrorCode::argument, url + ": is not a live stream; give ws://HOST/live/NAME");
+  return fail(ErrorCode::argument,
+              without_secrets(url) + ": is not a live stream; give ws://HOST/live/NAME");
 }
 
 }  // namespace pointreel

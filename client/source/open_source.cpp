@@ -1,8 +1,10 @@
 #include "client/source/open_source.h"
 
 #include <filesystem>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "client/source/file_source.h"
 #include "client/source/folder_source.h"
@@ -22,12 +24,30 @@ bool has_no_frames(const std::filesystem::path& path) {
   return !error && !has_cloud_files(path);
 }
 
+/// Packages tell themselves what options tell of files.
+void tell_unused(const std::string& where, const SourceOptions& options) {
+  std::vector<const char*> unused;
+  if (options.fps) unused.push_back("--fps");
+  if (!options.topic.empty()) unused.push_back("--topic");
+  if (!options.reading.columns.empty()) unused.push_back("--columns");
+  if (options.reading.full_color > 0.0) unused.push_back("--color-max");
+  if (options.placement.scale != 1.0) unused.push_back("--scale");
+  if (options.placement.rotation != Placement{}.rotation) unused.push_back("--rotate");
+  if (unused.empty() || !options.say) return;
+  options.say(fmt::format("warning: {}: is a package, which is shown as it is: {} {} not used",
+                          without_secrets(where), fmt::join(unused, ", "),
+                          unused.size() == 1 ? "is" : "are"));
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Source>> open_source(const std::string& where,
                                             const SourceOptions& options) {
   TRY(check_token(options.token));
-  if (is_folder_address(where)) return open_http_source(where, options);
+  if (is_folder_address(where)) {
+    tell_unused(where, options);
+    return open_http_source(where, options);
+  }
   if (!scheme_of(where).empty()) {
     const Url url = TRY(parse_url(where));
     return fail(ErrorCode::argument,
@@ -36,22 +56,28 @@ Result<std::unique_ptr<Source>> open_source(const std::string& where,
                             where, url.scheme));
   }
   namespace fs = std::filesystem;
+  TRY(check_is_there(where));
   std::error_code ignored;
   const fs::path path(where);
-  if (!fs::exists(path, ignored)) {
-    const bool link = fs::is_symlink(path, ignored);
-    return fail(ErrorCode::not_found,
-                where + (link ? ": links to a file or folder that is not there"
-                              : ": no such file or folder"));
-  }
-  if (path.filename() == kManifestName)
+  const bool names_manifest = path.filename() == kManifestName;
+  if (names_manifest || fs::exists(path / kManifestName, ignored)) {
+    tell_unused(where, options);
+    if (!names_manifest) return open_file_source(path);
     return open_file_source(path.has_parent_path() ? path.parent_path() : fs::path("."));
-  if (fs::exists(path / kManifestName, ignored)) return open_file_source(path);
+  }
   if (has_no_frames(path))
     return fail(ErrorCode::not_found,
                 fmt::format("{}: is not a package (it has no {}), and has no point cloud files",
                             where, kManifestName));
   return open_folder_source(path, options);
+}
+
+Result<void> check_is_there(const std::string& where) {
+  std::error_code ignored;
+  if (!scheme_of(where).empty() || std::filesystem::exists(where, ignored)) return {};
+  const bool link = std::filesystem::is_symlink(where, ignored);
+  return fail(ErrorCode::not_found, where + (link ? ": links to a file or folder that is not there"
+                                                  : ": no such file or folder"));
 }
 
 }  // namespace pointreel

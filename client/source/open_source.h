@@ -12,4 +12,7 @@ namespace pointreel {
 Result<std::unique_ptr<Source>> open_source(const std::string& where,
                                             const SourceOptions& options = {});
 
+/// `not_found` if `where` names a file or folder that is not there. Addresses are not looked at.
+Result<void> check_is_there(const std::string& where);
+
 }  // namespace pointreel

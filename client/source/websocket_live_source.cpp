@@ -13,6 +13,7 @@
 #include "client/source/live_assembler.h"
 #include "common/base/backoff.h"
 #include "common/base/try.h"
+#include "common/net/url.h"
 #include "common/net/websocket.h"
 
 namespace pointreel {
@@ -37,8 +38,10 @@ std::string with_sound(const std::string& url) {
 
 class WebSocketLiveSource : public LiveSource {
  public:
-  WebSocketLiveSource(std::string url, const SourceOptions& options)
-      : url_(std::move(url)), address_(options.sound ? with_sound(url_) : url_), options_(options) {
+  WebSocketLiveSource(const std::string& url, const SourceOptions& options)
+      : url_(without_secrets(url)),
+        address_(options.sound ? with_sound(url) : url),
+        options_(options) {
     thread_ = std::thread([this] { run(); });
   }
   ~WebSocketLiveSource() override {
@@ -167,7 +170,7 @@ class WebSocketLiveSource : public LiveSource {
   }
 
   std::string reason(const Error& error) const {
-    if (error.code == ErrorCode::not_found) return url_ + ": nobody publishes it; waiting";
+    if (error.code == ErrorCode::not_found) return url_ + ": waiting for the publisher";
     return error.message + "; trying again";
   }
 
@@ -206,6 +209,8 @@ class WebSocketLiveSource : public LiveSource {
 Result<std::unique_ptr<LiveSource>> open_websocket_live_source(const std::string& url,
                                                                const SourceOptions& options) {
   TRY(check_websocket(url, socket_options(options)));
+  if (!is_stream_address(url))
+    return fail(ErrorCode::argument, without_secrets(url) + ": " + kNoStreamAddress);
   return std::make_unique<WebSocketLiveSource>(url, options);
 }
 

@@ -27,7 +27,7 @@ constexpr std::array kBindings = {
     Binding{"]", Action::faster, "play 10 % slower or faster"},
     Binding{"{", Action::half_speed, "play at half or twice the speed"},
     Binding{"}", Action::double_speed, "play at half or twice the speed"},
-    Binding{"BS", Action::normal_speed, "play forward at normal speed"},
+    Binding{"BACKSPACE", Action::normal_speed, "play forward at normal speed"},
     Binding{"r", Action::turn_around, "reverse the direction"},
     Binding{"l", Action::mark_loop, "A-B loop: set A, then B, then clear"},
     Binding{"L", Action::toggle_loop, "loop at the end, or stop there"},

@@ -62,8 +62,9 @@ enum class Action {
 };
 
 /// A key is named by the character that it types, or else SPACE, LEFT, RIGHT, UP, DOWN, PGUP,
-/// PGDWN, HOME, END, BS, TAB, ESC, F1 or F11. Shift+LEFT and Shift+RIGHT are keys of their own. The
-/// names are those of mpv, and so are the keys of every action that mpv has too.
+/// PGDWN, HOME, END, BACKSPACE, TAB, ESC, F1 or F11. Shift+LEFT and Shift+RIGHT are keys of their
+/// own. But for BACKSPACE, the names are those of mpv, and so are the keys of every action that mpv
+/// has too.
 struct Binding {
   std::string_view key;
   Action action;

@@ -41,7 +41,7 @@ std::string_view key_name(int key, bool shift) {
     case GLFW_KEY_F11:
       return "F11";
     case GLFW_KEY_BACKSPACE:
-      return "BS";
+      return "BACKSPACE";
     case GLFW_KEY_TAB:
       return "TAB";
     case GLFW_KEY_ESCAPE:

@@ -19,6 +19,7 @@
 #include "client/record/numbered_path.h"
 #include "client/render/opengl/gl_context.h"
 #include "client/session/stage_setup.h"
+#include "client/source/open_source.h"
 #include "client/ui/controls.h"
 #include "client/ui/interface_scale.h"
 #include "client/ui/window_input.h"
@@ -351,6 +352,14 @@ bool play_in_window(const PlayOptions& options, const std::stop_token& stop) {
   const glm::ivec2 size = options.settings.size;
   auto window = WindowContext::create("Pointreel: " + short_names(options.sources), size.x, size.y);
   if (!window) {
+    // What is not there could not be played on another display, either.
+    for (const Stage::Placed& source : options.sources) {
+      if (const auto there = source.files.empty() ? check_is_there(source.where) : Result<void>();
+          !there) {
+        print_error("pointreel", there.error().message);
+        return false;
+      }
+    }
     const std::string message =
         window.error().message + "; --offscreen WIDTHxHEIGHT draws without a display";
     print_error("pointreel", message);

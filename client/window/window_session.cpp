@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "client/session/stage_setup.h"
+#include "common/net/url.h"
 #include "common/process/print.h"
 
 namespace pointreel {
@@ -20,7 +21,7 @@ std::string short_name(std::string where) {
 std::string short_names(const std::vector<Stage::Placed>& sources) {
   std::string names;
   for (const Stage::Placed& source : sources)
-    names += (names.empty() ? "" : ", ") + short_name(source.where);
+    names += (names.empty() ? "" : ", ") + short_name(without_secrets(source.where));
   return visible(names);
 }
 
@@ -53,8 +54,9 @@ void WindowSession::open(std::vector<Stage::Placed> sources, const Settings& set
       opened_, std::move(stage),
       [options, size](const Box& bounds, Up up) { return first_camera(options, bounds, up, size); },
       [this, sources = opened_](std::size_t source, std::uint32_t frame, const Error& error) {
-        errors_.broken(source, sources.size() > 1 ? sources[source].where + ": " : "", frame,
-                       error);
+        errors_.broken(source,
+                       sources.size() > 1 ? without_secrets(sources[source].where) + ": " : "",
+                       frame, error);
       });
 }
 

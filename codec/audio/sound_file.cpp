@@ -47,6 +47,7 @@ constexpr const char* kRepair =
 struct Track {
   bool is_sound = false;
   double end = 0.0, longest = 0.0;  ///< seconds: of its packets
+  std::optional<double> stated;     ///< seconds: how long the file says that it is
 };
 
 /// The size that a file of RIFF (WAV, AVI) states, which ffmpeg does not compare with the file; 0
@@ -105,7 +106,7 @@ Result<SoundEnd> find_sound_end(const fs::path& file, std::optional<std::uint64_
     arguments.insert(arguments.end(), {"-read_intervals", fmt::format("%+{}", most + kAhead)});
   arguments.insert(arguments.end(), {"-show_entries",
                                      "packet=stream_index,pts_time,dts_time,duration_time:stream="
-                                     "index,codec_type:format=start_time,duration"});
+                                     "index,codec_type,duration:format=start_time,duration"});
   const std::vector<std::string> input = sound_input(file);
   arguments.insert(arguments.end(), input.begin(), input.end());
   const auto probed = run_ffprobe(arguments, [&](ProbeLine line) -> Result<void> {
@@ -118,7 +119,9 @@ Result<SoundEnd> find_sound_end(const fs::path& file, std::optional<std::uint64_
       track.longest = std::max(track.longest, duration);
       end = std::max(end, track.end);
     } else if (line.is("stream|")) {
-      tracks[line.number<int>("index")].is_sound = line.value("codec_type") == "audio";
+      Track& track = tracks[line.number<int>("index")];
+      track.is_sound = line.value("codec_type") == "audio";
+      track.stated = seconds_in(line.value("duration"));
     } else if (line.is("format|")) {
       start = seconds_in(line.value("start_time")).value_or(0.0);
       stated = seconds_in(line.value("duration"));
@@ -144,7 +147,13 @@ Result<SoundEnd> find_sound_end(const fs::path& file, std::optional<std::uint64_
   const auto us = [](double seconds) {
     return static_cast<std::uint64_t>(std::llround(1e6 * std::max(0.0, seconds)));
   };
-  return SoundEnd{us(sound->second.end - std::max(0.0, start)), us(slack)};
+  SoundEnd found{us(sound->second.end - std::max(0.0, start)), us(slack)};
+  if (sound->second.end < most) {
+    found.whole_us = found.end_us;
+  } else if (const auto& length = sound->second.stated; length && !is_guess) {
+    found.whole_us = std::max(found.end_us, us(*length));
+  }
+  return found;
 }
 
 }  // namespace pointreel

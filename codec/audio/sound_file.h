@@ -22,6 +22,8 @@ struct SoundEnd {
   std::uint64_t end_us = 0;
   /// What is lost at the end for the sake of whole packets.
   std::uint64_t slack_us = 0;
+  /// The length of the track, unless the file does not tell and was not read to its end.
+  std::optional<std::uint64_t> whole_us = {};
 
   /// An error if `got_us` are fewer than `wanted_us`, or than the file has. `why`: what ffmpeg
   /// said.

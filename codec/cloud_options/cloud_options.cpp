@@ -95,7 +95,7 @@ std::vector<cli::Option> add_placement_options(cli::Command command, Placement& 
       command
           .add_option("--scale", placement.scale,
                       "multiply the coordinates of files by this, such as 0.001 for millimetres")
-          .check(cli::positive_number())
+          .check(cli::number_within(1e-12, 1e12))
           .type_name("NUMBER");
   const cli::Option rotate =
       command

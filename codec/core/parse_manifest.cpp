@@ -207,6 +207,8 @@ Result<Manifest> parse_root(const JsonValue& root) {
     manifest.audio = TRY(at_place("audio", parse_audio(*fields.value("audio"))));
   }
   if (fields.has("partial")) manifest.partial = fields.boolean("partial");
+  if (fields.has("normals_estimated"))
+    manifest.normals_estimated = fields.boolean("normals_estimated");
   TRY(fields.check());
   if (fields.has("live")) {
     manifest.live = TRY(at_place("live", parse_live(*fields.value("live"))));

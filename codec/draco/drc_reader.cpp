@@ -193,13 +193,35 @@ Result<PointCloud> convert(const draco::PointCloud& decoded, bool mesh) {
   return cloud;
 }
 
+/// What `convert` does not take.
+std::vector<std::string> unread_of(const draco::PointCloud& decoded, const PointCloud& cloud) {
+  struct Kind {
+    GeometryAttribute::Type type;
+    const char* name;
+    bool first_taken;
+  };
+  std::vector<std::string> unread;
+  for (const Kind& kind : {Kind{GeometryAttribute::NORMAL, "normals", cloud.has_normals()},
+                           Kind{GeometryAttribute::COLOR, "colours", cloud.has_colors()},
+                           Kind{GeometryAttribute::TEX_COORD, "texture coordinates", false},
+                           Kind{GeometryAttribute::GENERIC, "generic attribute", false}}) {
+    const int taken = kind.first_taken || cloud.empty() ? 1 : 0;
+    for (int i = taken; i < decoded.NumNamedAttributes(kind.type); ++i)
+      unread.emplace_back(kind.name);
+  }
+  return unread;
+}
+
 }  // namespace
 
-Result<PointCloud> read_drc(ByteView bytes, const DecodeLimits& limits) {
+Result<PointCloud> read_drc(ByteView bytes, const DecodeLimits& limits,
+                            std::vector<std::string>* unread) {
   return or_out_of_memory([&]() -> Result<PointCloud> {
     const DrcHeader header = TRY(parse_drc_header(bytes, kPointsPerFileByte, limits));
     const auto decoded = TRY(run_draco_decoder(bytes, header, limits));
-    return convert(*decoded, header.mesh);
+    PointCloud cloud = TRY(convert(*decoded, header.mesh));
+    if (unread != nullptr) *unread = unread_of(*decoded, cloud);
+    return cloud;
   });
 }
 

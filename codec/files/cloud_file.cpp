@@ -90,8 +90,8 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder,
   if (files.empty() && is_depth_folder(folder)) return std::vector<fs::path>{folder};
   if (files.empty()) files = std::move(perhaps);
   if (files.empty()) {
-    return fail(ErrorCode::not_found,
-                fmt::format("{}: has no point cloud files: {}", folder.string(), known_formats()));
+    return fail(ErrorCode::not_found, fmt::format("{}: has no point cloud files; known are {}",
+                                                  folder.string(), known_formats()));
   }
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
     return natural_less(a.filename().string(), b.filename().string());
@@ -252,6 +252,7 @@ void CloudSequence::keep_gaps(double frames_per_second) {
         std::llround(1e6 * static_cast<double>(places[i]) / frames_per_second));
   }
   find_times();
+  fps = frames_per_second;  // and not the median of intervals with gaps in them
 }
 
 namespace {
@@ -268,10 +269,9 @@ void check_numbers(CloudSequence& sequence) {
   if (missing.empty()) return;
   sequence.places = places_by_number(names);
   const std::uint64_t count = sequence.places.back() + 1 - names.size();
-  sequence.warnings.push_back(
-      fmt::format("{}: {} missing by {}: {}{}", folder.empty() ? "." : folder.string(),
-                  count == 1 ? "a frame is" : fmt::format("{} frames are", count),
-                  count == 1 ? "its number" : "their numbers", missing, kGapsAreClosed));
+  sequence.warnings.push_back(fmt::format(
+      "{}: judging by their numbers, {} missing: {}{}", folder.empty() ? "." : folder.string(),
+      count == 1 ? "a frame is" : fmt::format("{} frames are", count), missing, kGapsAreClosed));
 }
 
 void add_recording(CloudSequence& sequence, const fs::path& file,
@@ -347,6 +347,11 @@ Result<CloudSequence> list_cloud_frames(const std::vector<fs::path>& inputs,
       sequence.frames.push_back({file});
     }
   }
+  const auto has_topics = [](const CloudFrame& frame) {
+    return format_of({}, frame.file.filename().string()) == CloudFormat::mcap;
+  };
+  if (!options.topic.empty() && std::ranges::none_of(sequence.frames, has_topics))
+    sequence.warnings.push_back("--topic is not used: there is no MCAP recording");
   check_numbers(sequence);
   sequence.find_times();
   TRY(guess(sequence, options.reading));

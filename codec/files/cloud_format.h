@@ -48,7 +48,7 @@ std::optional<Up> up_of(CloudFormat format);
 /// Whether points without a position are usual in files of that format: they were not measured.
 bool has_empty_points(CloudFormat format);
 
-/// "PLY, Draco (.drc), PCD, ...", for people.
+/// "PLY, Draco, ..., MCAP and depth video", for people.
 std::string known_formats();
 
 }  // namespace pointreel

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "codec/draco/drc_reader.h"
 #include "codec/files/depth_frame.h"
@@ -33,9 +36,9 @@ Result<PointCloud> read_whole_ply(const ByteSource& source, const DecodeLimits&,
 }
 
 Result<PointCloud> read_whole_drc(const ByteSource& source, const DecodeLimits& limits,
-                                  const Reading&, ReadNotes&) {
+                                  const Reading&, ReadNotes& notes) {
   Bytes room;
-  return read_drc(TRY(source.all(room)), limits);
+  return read_drc(TRY(source.all(room)), limits, &notes.unread);
 }
 
 template <auto kRead>
@@ -244,12 +247,14 @@ bool has_empty_points(CloudFormat format) {
 }
 
 std::string known_formats() {
-  std::string names;
+  std::vector<std::string_view> names;
   for (const Row& row : kFormats) {
-    if (row.by_name == Likely::no) continue;
-    names += concat(names.empty() ? "" : ", ", row.name);
+    if (row.by_name != Likely::no) names.push_back(row.name);
   }
-  return names;
+  std::string text(names.front());
+  for (std::size_t i = 1; i < names.size(); ++i)
+    text += concat(i + 1 < names.size() ? ", " : " and ", names[i]);
+  return text;
 }
 
 Result<PointCloud> read_points(const ByteSource& source, CloudFormat format,
@@ -261,9 +266,8 @@ Result<PointCloud> read_points(const ByteSource& source, CloudFormat format,
   const Row* row = format == CloudFormat::foreign ? find_by_begin(begin) : find(format);
   if (row == nullptr) {
     return fail(
-        concat("is not a known point cloud file, by its first bytes or by its "
-               "name: ",
-               known_formats(), " can"));
+        concat("is not a known point cloud file, by its first bytes or by its name; known are ",
+               known_formats()));
   }
   if (std::string fault = fault_of_begin(*row, begin); !fault.empty())
     return fail(std::move(fault));

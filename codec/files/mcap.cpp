@@ -107,7 +107,7 @@ Result<void> check_sum(const Chunk& chunk, ByteView records) {
   if (chunk.cut || chunk.checksum == 0 ||
       crc32_z(0, records.data(), records.size()) == chunk.checksum)
     return {};
-  return fail("is damaged: its checksum is another");
+  return fail("its checksum does not match");
 }
 
 Result<Bytes> unpack(const Chunk& chunk, ByteView packed) {

@@ -17,6 +17,15 @@ struct MiddleHalf {
 
   /// Whether it is further from zero than so many times as long.
   bool is_far(double spreads) const { return reach > spreads * spread; }
+
+  /// An origin for floats: below the middle, at whole coordinates, so that small whole ones stay
+  /// what they are; or, where points are closer together, at multiples of a power of two that is no
+  /// larger than they spread.
+  glm::dvec3 origin() const {
+    if (!(spread > 0.0)) return glm::floor(middle);
+    const double unit = std::min(1.0, std::exp2(std::floor(std::log2(spread))));
+    return unit * glm::floor(middle / unit);
+  }
 };
 
 /// `values`: the coordinates of the points by axis, at least one each. They are sorted.

@@ -136,8 +136,8 @@ bool are_in_range(const PlyColumn& column, std::size_t rows) {
   return in_range;
 }
 
-/// The whole coordinates below the middle of the points that were measured, if these lie far from
-/// zero: those at zero, which were not, must not cost them their precision.
+/// MiddleHalf::origin of the points that were measured, if these lie far from zero: those at zero,
+/// which were not, must not cost them their precision.
 glm::dvec3 far_middle(std::span<const glm::dvec3> positions) {
   constexpr std::size_t kSamples = 1024;
   constexpr double kFarSpreads = 100.0;
@@ -152,7 +152,7 @@ glm::dvec3 far_middle(std::span<const glm::dvec3> positions) {
   }
   if (std::ranges::any_of(values, &std::vector<double>::empty)) return glm::dvec3(0.0);
   const MiddleHalf half = middle_half(values);
-  return half.spread > 0.0 && half.is_far(kFarSpreads) ? glm::floor(half.middle) : glm::dvec3(0.0);
+  return half.spread > 0.0 && half.is_far(kFarSpreads) ? half.origin() : glm::dvec3(0.0);
 }
 
 /// Adds `rows` values, which `make` makes of their rows.
@@ -244,6 +244,7 @@ PlyCloudBuilder::PlyCloudBuilder(const PlyElement& vertex, const PlyRoles& prope
   for (std::size_t role = kScalar; role < kRoles && properties[role] >= 0; ++role) {
     const auto property = static_cast<std::size_t>(properties[role]);
     cloud_.scalars.push_back({vertex.properties[property].name, {}});
+    losses_.emplace_back(fits_float(vertex.properties[property].type));
     reserve_large(cloud_.scalars.back().values, max_rows);
   }
 }
@@ -280,6 +281,7 @@ void PlyCloudBuilder::append(const PlyBlock& block, std::size_t rows) {
            [&](std::size_t i) { return static_cast<float>(block[kRadius][i]); });
   for (std::size_t field = 0; field < cloud_.scalars.size(); ++field) {
     const PlyColumn& column = block[kScalar + field];
+    for (std::size_t i = 0; i < rows; ++i) losses_[field].see(column[i]);
     extend(cloud_.scalars[field].values, rows,
            [&](std::size_t i) { return static_cast<float>(column[i]); });
   }
@@ -294,6 +296,9 @@ PointCloud PlyCloudBuilder::finish(ReadNotes& notes) {
   } else if (cloud_.origin != glm::dvec3(0.0)) {
     for (glm::vec3& p : cloud_.positions) p = glm::vec3(glm::dvec3(p) - cloud_.origin);
   }
+  for (std::size_t i = 0; i < losses_.size(); ++i)
+    if (const auto line = losses_[i].warning(cloud_.scalars[i].name))
+      notes.warnings.push_back(*line);
   return std::move(cloud_);
 }
 

@@ -9,6 +9,7 @@
 
 #include "codec/files/ply_header.h"
 #include "codec/files/read_notes.h"
+#include "codec/files/scalar_loss.h"
 #include "pointreel/cloud.h"
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
@@ -75,6 +76,7 @@ class PlyCloudBuilder {
   std::vector<glm::vec3> colors_;      ///< as they are in the file, unless they are bytes
   Box box_;                            ///< of the points that floats can hold
   std::array<PlyType, 3> color_types_{};
+  std::vector<ScalarLoss> losses_;  ///< of each scalar field
   bool has_normals_, has_colors_, has_radii_, packed_colors_;
   bool float_positions_ = false, byte_colors_ = true, harmonic_colors_ = false;
 };

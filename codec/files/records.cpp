@@ -79,6 +79,7 @@ RecordCollector::RecordCollector(const RecordLayout& layout, std::size_t rows)
   if (layout_.normal) reserve_large(cloud_.normals, rows);
   for (const RecordScalar& scalar : layout_.scalars) {
     cloud_.scalars.push_back({scalar.name, {}});
+    losses_.emplace_back(holds_all(scalar.field.type));
     reserve_large(cloud_.scalars.back().values, rows);
   }
   const bool float_colors = layout_.color && is_float((*layout_.color)[0].type);
@@ -118,7 +119,7 @@ void RecordCollector::choose_origin(const std::uint8_t* base, std::size_t first,
   const MiddleHalf half = middle_half(measured);
   has_origin_ = true;
   if (!half.is_far(kFarSpreads)) return;  // points around zero need no other origin
-  cloud_.origin = glm::floor(half.middle);
+  cloud_.origin = half.origin();
   for (glm::vec3& position : cloud_.positions)  // none of which was measured
     position = glm::vec3(glm::dvec3(position) - cloud_.origin);
 }
@@ -260,9 +261,18 @@ void RecordCollector::add_colors(const std::uint8_t* base, std::size_t first, st
 
 void RecordCollector::add_scalars(const std::uint8_t* base, std::size_t first, std::size_t rows) {
   std::array<float, kBlockRows> column;
+  Block wide;
   for (std::size_t i = 0; i < layout_.scalars.size(); ++i) {
     const RecordScalar& scalar = layout_.scalars[i];
-    load_column(scalar.field, layout_.swapped, base, first, rows, column.data());
+    if (holds_all(scalar.field.type)) {
+      load_column(scalar.field, layout_.swapped, base, first, rows, column.data());
+    } else {
+      load_column(scalar.field, layout_.swapped, base, first, rows, wide.data());
+      for (std::size_t row = 0; row < rows; ++row) {
+        losses_[i].see(wide[row]);
+        column[row] = static_cast<float>(wide[row]);
+      }
+    }
     if (scalar.mask != 255) {
       for (std::size_t row = 0; row < rows; ++row)
         column[row] = static_cast<float>(static_cast<std::uint8_t>(column[row]) & scalar.mask);
@@ -305,6 +315,9 @@ void RecordCollector::finish_colors(ReadNotes& notes) {
 PointCloud RecordCollector::finish(ReadNotes& notes) {
   if (positions_ == Positions::floats) move_far_origin();
   finish_colors(notes);
+  for (std::size_t i = 0; i < losses_.size(); ++i)
+    if (const auto line = losses_[i].warning(cloud_.scalars[i].name))
+      notes.warnings.push_back(*line);
   return std::move(cloud_);
 }
 

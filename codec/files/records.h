@@ -14,6 +14,7 @@
 #include "codec/files/byte_source.h"
 #include "codec/files/numbers.h"
 #include "codec/files/read_notes.h"
+#include "codec/files/scalar_loss.h"
 #include "pointreel/cloud.h"
 #include "pointreel/error.h"
 
@@ -85,6 +86,7 @@ class RecordCollector {
       high_{-std::numeric_limits<float>::infinity()};
   std::vector<glm::vec3> float_colors_;  ///< as they are in the file
   std::uint16_t brightest_ = 0;          ///< of colours with more than 8 bits
+  std::vector<ScalarLoss> losses_;       ///< of each scalar field
 };
 
 /// Records of `size` bytes, one after another, from byte `begin` of the source on.

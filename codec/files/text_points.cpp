@@ -53,21 +53,28 @@ class Cells {
     over_ = end == std::string_view::npos;
     if (!over_) rest_.remove_prefix(end + 1);
     // A separator at the end of the line is no empty word.
-    if (!over_ && trimmed(rest_).empty()) over_ = true;
+    if (!over_ && trimmed(rest_).empty()) over_ = ends_with_separator_ = true;
     return true;
   }
+
+  /// After the last word: an empty one may have been meant to follow, as tables have it.
+  bool ends_with_separator() const { return ends_with_separator_; }
 
  private:
   std::string_view rest_;
   const Separator separator_;
   bool over_;
+  bool ends_with_separator_ = false;
 };
 
-std::vector<std::string_view> cells_of(std::string_view line, Separator separator) {
+/// `names`: how many columns have names. The last word of as many may be empty.
+std::vector<std::string_view> cells_of(std::string_view line, Separator separator,
+                                       std::size_t names = 0) {
   std::vector<std::string_view> words;
   Cells cells(line, separator);
   for (std::string_view word; words.size() < kMaxColumns && cells.next(word);)
     words.push_back(word);
+  if (words.size() + 1 == names && cells.ends_with_separator()) words.emplace_back();
   return words;
 }
 
@@ -165,7 +172,7 @@ Result<Head> read_head(Lines& lines, std::size_t named = 0) {
       continue;
     }
     head.separator = separator_of(line);
-    const auto words = cells_of(line, head.separator);
+    const auto words = cells_of(line, head.separator, head.names.size());
     double value = 0.0;
     if (!words.empty() && parse_cell(words[0], head.separator, value)) {
       if (words.size() == 1) {
@@ -320,6 +327,7 @@ Result<PointCloud> read_text_points(const ByteSource& source, const Reading& rea
   const std::vector<std::size_t>& kept = columns.kept;
 
   std::vector<double> values;  // of the kept columns, row by row
+  std::vector<bool> has_numbers(kept.size()), has_words(kept.size());
   std::size_t rows = 0, longer = 0;
   for (std::string_view line; lines.next(line);) {
     if (trimmed(line).empty() || comment_of(line)) continue;
@@ -334,8 +342,16 @@ Result<PointCloud> read_text_points(const ByteSource& source, const Reading& rea
                              column + 1, " is not a number"));
         }
         value = std::numeric_limits<double>::quiet_NaN();
+        if (!word.empty()) has_words[next] = true;
+      } else {
+        has_numbers[next] = true;
       }
       values.push_back(value);
+      ++next;
+    }
+    if (next + 1 == kept.size() && column == kept[next] && column + 1 == head.columns &&
+        cells.ends_with_separator() && !columns.must_be_numbers[next]) {
+      values.push_back(std::numeric_limits<double>::quiet_NaN());
       ++next;
     }
     if (next < kept.size()) {
@@ -359,6 +375,10 @@ Result<PointCloud> read_text_points(const ByteSource& source, const Reading& rea
   if (head.count && *head.count != rows) {
     notes.warnings.push_back(
         concat("says that it has ", *head.count, " points, but there are ", rows));
+  }
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (has_words[i] && !has_numbers[i])
+      notes.unread.push_back(printable(names[kept[i]]) + " (words)");
   }
   // The values are records of doubles.
   std::vector<std::string> told;

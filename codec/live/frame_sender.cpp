@@ -8,6 +8,7 @@
 #include "codec/live/live_queue.h"
 #include "codec/live/live_sound.h"
 #include "common/base/try.h"
+#include "common/net/url.h"
 #include "common/net/websocket.h"
 
 namespace pointreel {
@@ -62,6 +63,7 @@ std::uint64_t FrameSender::time_of(std::uint64_t capture_us) const {
 }
 
 void FrameSender::flush() {
+  if (number_ == 0 && sounds_ == 0) return;
   outbox_.flush(kFlushTime);
   if (outbox_.trouble().empty()) outbox_.flush(kSlowFlushTime);
 }
@@ -83,9 +85,8 @@ std::string stream_name_of(const std::string& url) { return url.substr(url.rfind
 
 Result<std::string> publishing_address(const std::string& url) {
   TRY(parse_websocket_url(url));
-  if (url.find_first_of("?#") != std::string::npos || !is_stream_name(stream_name_of(url)))
-    return fail(ErrorCode::argument,
-                url + ": does not end in a stream's name, as in ws://HOST:8090/live/NAME");
+  if (url.find_first_of("?#") != std::string::npos || !is_stream_address(url))
+    return fail(ErrorCode::argument, without_secrets(url) + ": " + kNoStreamAddress);
   return url + "?publish";  // a viewer would connect without the query
 }
 

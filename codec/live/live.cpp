@@ -294,4 +294,11 @@ bool is_stream_name(std::string_view name) {
   return name.size() <= kMaxStreamName && is_file_name(name);
 }
 
+bool is_stream_address(std::string_view url) {
+  const std::string_view path = url.substr(0, url.find_first_of("?#"));
+  const auto slash = path.rfind('/');
+  return slash != path.npos && path.substr(0, slash).ends_with("/live") &&
+         is_stream_name(path.substr(slash + 1));
+}
+
 }  // namespace pointreel

@@ -133,5 +133,9 @@ Result<LiveLayer> next_live_layer(ByteView& messages);
 
 /// True for 1 to 64 letters, digits, '.', '_' and '-' that do not begin with '.'.
 bool is_stream_name(std::string_view name);
+/// Whether the path of a URL is that of a stream: it ends in /live/NAME.
+bool is_stream_address(std::string_view url);
+inline constexpr const char* kNoStreamAddress =
+    "does not end in /live/ and a stream's name, as in ws://HOST:8090/live/NAME";
 
 }  // namespace pointreel

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "codec/live/live_sound.h"
+#include "common/base/concat.h"
 #include "pointreel/bytes.h"
 
 namespace pointreel {
@@ -200,7 +201,7 @@ void Outbox::serve(WebSocket& socket, const std::stop_token& stop) {
 }
 
 void Outbox::count_accepted(std::uint64_t confirmed) {
-  bool recovered = false;
+  bool first = false, recovered = false;
   {
     const std::lock_guard lock(mutex_);
     while (!unconfirmed_.empty() && unconfirmed_.front().message <= confirmed) {
@@ -210,13 +211,19 @@ void Outbox::count_accepted(std::uint64_t confirmed) {
       trouble_.clear();
       // The newest frame is sent once more over a new connection.
       if (accepted_ && layer <= *accepted_) continue;
+      first = first || !accepted_;
       accepted_ = layer;
       ++statistics_.accepted_layers;
       if (layer.second == 0) ++statistics_.accepted_frames;
     }
     changed_.notify_all();
   }
-  if (recovered && options_.say) options_.say("connected again");
+  if (!options_.say) return;
+  if (first)
+    options_.say(concat("the server has accepted the first frame; \"pointreel play ",
+                        options_.url.substr(0, options_.url.find('?')), "\" shows the stream"));
+  else if (recovered)
+    options_.say("connected again");
 }
 
 void Outbox::tell(const std::string& trouble) {

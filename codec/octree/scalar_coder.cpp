@@ -19,6 +19,7 @@ namespace {
 
 /// Values are multiples 0 to kMostMultiple of a step. The transform holds no more.
 constexpr std::int32_t kMostMultiple = kMostValue - kLeastValue;
+static_assert(kMostMultiple == kMostScalarSteps);
 
 enum FieldFlags : std::uint8_t { kLabels = 1, kUnknown = 2 };
 

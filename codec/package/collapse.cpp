@@ -66,6 +66,8 @@ bool misses_delta(const EncodedFrame& encoded, const PointCloud& cloud, const Gr
 
 std::optional<Collapse> collapse_of(const EncodedFrame& encoded, const PointCloud& cloud,
                                     const Grid& grid, const EncodeOptions& used, bool strays) {
+  // The strays may be those of other frames.
+  if (cloud.empty()) return std::nullopt;
   const glm::dvec3 extent = bounds(cloud).extent();
   const double length =
       strays ? 2.0 * length_of_middle(cloud.positions) : std::max({extent.x, extent.y, extent.z});

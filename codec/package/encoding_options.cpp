@@ -1,5 +1,7 @@
 #include "codec/package/encoding_options.h"
 
+#include <fmt/format.h>
+
 namespace pointreel {
 
 ReelHead reel_head(const EncodingOptions& options) {
@@ -40,11 +42,33 @@ CleanedInTime clean_frame(const CleanedFrame& alone, std::span<const CleanedFram
   return out;
 }
 
-std::string_view why_not_cleaned(const CleanOptions& options) {
-  if (options.radius) return "around most points, no surface fits within that radius; try auto";
-  if (!options.without_normals)
-    return "the frames are smooth, voxelised, without normals, or no scans of surfaces";
-  return "the frames are smooth, voxelised, or no scans of surfaces";
+std::string why_not_cleaned(const CleanOptions& options,
+                            const std::map<NotCleaned, std::uint32_t>& frames) {
+  const auto phrase = [&](NotCleaned why) {
+    switch (why) {
+      case NotCleaned::few_points:
+        return "have too few points";
+      case NotCleaned::no_normals:
+        return "have no normals (--clean auto cleans them nevertheless)";
+      case NotCleaned::voxelised:
+        return "are voxelised";
+      case NotCleaned::smooth:
+        return "are smooth";
+      case NotCleaned::repeated:
+        return "repeat points";
+      case NotCleaned::no_surface:
+        return options.radius ? "have too few points with a surface within that radius"
+                              : "are no scans of surfaces";
+    }
+    return "";
+  };
+  if (options.radius && frames.contains(NotCleaned::no_surface) && frames.size() == 1)
+    return "around most points, no surface fits within that radius; try auto";
+  if (frames.size() == 1) return fmt::format("the frames {}", phrase(frames.begin()->first));
+  std::string text;
+  for (const auto& [why, count] : frames)
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, phrase(why));
+  return text;
 }
 
 }  // namespace pointreel

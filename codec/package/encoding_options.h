@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "codec/core/placement.h"
 #include "codec/surface/clean_in_time.h"
@@ -16,6 +16,10 @@ namespace pointreel {
 
 inline constexpr std::size_t kMostCleanFrames = 4;
 
+/// What becomes of frames that have no normals: players derive them, or they are estimated and
+/// encoded.
+enum class MissingNormals { derived, estimated, estimated_if_it_pays };
+
 /// What pack and publish are both told about a sequence of frames, and how to encode it.
 struct EncodingOptions {
   std::string name;   ///< for people
@@ -24,6 +28,8 @@ struct EncodingOptions {
   /// How the frames of files are placed, before anything else is done with them.
   Placement placement;
   EncodeOptions encode;
+  /// Of octrees, with EncodeOptions::normals. Of live streams, `derived`.
+  MissingNormals missing_normals = MissingNormals::derived;
   /// Edge of a voxel in the source's units. Voxels are centred on multiples of it, or on the voxels
   /// of the source that they merge. It determines the depth of the octree.
   std::optional<double> voxel;
@@ -63,7 +69,8 @@ CleanReport clean_frame(PointCloud& cloud, const EncodingOptions& options);
 /// The same for a frame that `clean_alone` has cleaned, with those around it in time.
 CleanedInTime clean_frame(const CleanedFrame& alone, std::span<const CleanedFrame* const> around,
                           const EncodingOptions& options);
-/// Why no frame was cleaned, for people.
-std::string_view why_not_cleaned(const CleanOptions& options);
+/// Why frames were not cleaned, for people: how many, for each reason.
+std::string why_not_cleaned(const CleanOptions& options,
+                            const std::map<NotCleaned, std::uint32_t>& frames);
 
 }  // namespace pointreel

@@ -63,7 +63,7 @@ Result<HttpFolder> parse_http_folder(const std::string& url) {
 
 Result<HttpFolder> parse_store_folder(const std::string& address, const Store& store) {
   const auto refused = [&](const char* why) {
-    return fail(ErrorCode::argument, address + ": " + why);
+    return fail(ErrorCode::argument, without_secrets(address) + ": " + why);
   };
   std::string key(std::string_view(address).substr(kStoreScheme.size()));
   trim_to_folder(key);

@@ -1,10 +1,16 @@
 #include "codec/package/package_folder.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <optional>
 #include <set>
+#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
+#include <sys/types.h>
 
 #include "codec/core/scalar_fields.h"
 #include "codec/octree/octree_codec.h"
@@ -39,6 +45,27 @@ void name_scalar_layer(Manifest& manifest) {
   add_scalar_layer(manifest.layer_names);
 }
 
+/// The process that writes a file of this name, which is NAME.PID~ until it is whole
+/// (write_file.h).
+std::optional<pid_t> writer_of(std::string_view name) {
+  if (!name.ends_with('~')) return std::nullopt;
+  name.remove_suffix(1);
+  const std::size_t dot = name.rfind('.');
+  if (dot == name.npos) return std::nullopt;
+  pid_t pid = 0;
+  const auto [end, error] = std::from_chars(name.data() + dot + 1, name.data() + name.size(), pid);
+  if (error != std::errc() || end != name.data() + name.size() || pid <= 0) return std::nullopt;
+  return pid;
+}
+
+/// Whether it is the name of a reel's sound: audio, eight hexadecimal digits, opus.
+bool is_sound(std::string_view name) {
+  constexpr std::string_view kBegin = "audio.", kEnd = ".opus";
+  return name.size() == kBegin.size() + 8 + kEnd.size() && name.starts_with(kBegin) &&
+         name.ends_with(kEnd) &&
+         name.substr(kBegin.size(), 8).find_first_not_of("0123456789abcdef") == name.npos;
+}
+
 }  // namespace
 
 std::string default_reel_name(const fs::path& output) {
@@ -64,7 +91,14 @@ Result<void> may_replace_package(const fs::path& folder) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    if (!parts.contains(name)) {
+    // What a program that was killed has left may go, too.
+    if (const auto writer = writer_of(name)) {
+      if (::kill(*writer, 0) == 0 || errno == EPERM)
+        return fail(ErrorCode::argument,
+                    fmt::format("process {} is writing to it; wait until it ends", *writer));
+      continue;
+    }
+    if (!parts.contains(name) && !is_sound(name)) {
       return fail(ErrorCode::argument,
                   fmt::format("holds {}, which is not part of the package; remove it first", name));
     }

@@ -92,6 +92,7 @@ ordered_json head_json(const Manifest& manifest) {
     head["audio"]["samples"] = manifest.audio->samples;
   }
   if (manifest.partial) head["partial"] = true;
+  if (manifest.normals_estimated) head["normals_estimated"] = true;
   if (manifest.live) {
     head["live"] = {{"session", fmt::format("{:016x}", manifest.live->session)},
                     {"first_frame", manifest.live->first_frame},

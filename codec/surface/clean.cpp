@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
+#include "codec/core/build.h"
 #include "codec/core/keep_points.h"
 #include "codec/core/lattice.h"
 #include "codec/surface/mean_colors.h"
@@ -22,8 +24,14 @@ namespace {
 constexpr std::size_t kLeastPoints = 100;
 /// Noise below this share of the spacing is not worth the detail that removing it costs.
 constexpr double kSmooth = 0.1;
+/// Frames of a sequence that is worth cleaning, or is not, may have so many times less noise, or
+/// more.
+constexpr double kLikeOthers = 1.5;
 /// Voxels of a surface are at most so many steps of their lattice apart on average.
 constexpr double kVoxelSpacing = 1.1;
+/// A surface passes through 16 times as many voxels as cells that are four times as large. Where
+/// points have so many of these, they are no farther apart than that, and it need not be measured.
+constexpr double kFilled = 11.0;
 /// In scans, nearest neighbours differ across the surface by at least 0.46 of what the noise of
 /// both explains. Where they differ by less than this share, or the radius of support would be more
 /// than so many spacings, what looks like noise is something else, such as the distance between the
@@ -47,6 +55,12 @@ constexpr float kMostReach = 14.0f;
 constexpr float kMostSupportReach = 4.0f;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// The least noise that is removed, as a share of the spacing.
+double smooth(const CleanOptions& options) {
+  if (!options.noisy) return kSmooth;
+  return *options.noisy ? kSmooth / kLikeOthers : kSmooth * kLikeOthers;
+}
 
 /// Sets the radii of points to 0 that lie in small clumps with gaps around them.
 void leave_clumps(const PointSurface& surface, std::vector<float>& radii) {
@@ -96,9 +110,13 @@ BeforeCleaning before_of(const PointCloud& cloud, const PointSurface& surface,
   return before;
 }
 
-bool is_voxelised(const PointCloud& cloud, double spacing) {
-  const auto lattice = lattice_of(cloud);
-  return lattice && spacing < kVoxelSpacing * lattice->step;
+/// Whether the points are almost all of the voxels that their surface passes through.
+bool fills_voxels(const PointCloud& cloud, const PointLattice& lattice, const Executor& executor) {
+  const VoxelCube voxels = lattice_cube(bounds(cloud), lattice);
+  if (voxels.depth < 2 || voxels.depth > kMaxDepth) return false;
+  const SortedPoints sorted = sort_points(cloud, voxels.cube, voxels.depth, executor);
+  const auto depth = static_cast<std::size_t>(voxels.depth);
+  return sorted.occupied[depth] >= kFilled * sorted.occupied[depth - 2];
 }
 
 }  // namespace
@@ -106,8 +124,15 @@ bool is_voxelised(const PointCloud& cloud, double spacing) {
 CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor& executor,
                   BeforeCleaning* before) {
   CleanReport report;
-  if (cloud.size() < kLeastPoints || !has_usable_scale(cloud)) return report;
-  if (!cloud.has_normals() && !options.without_normals) return report;
+  const auto stays = [&report](NotCleaned why) {
+    report.why = why;
+    return report;
+  };
+  if (cloud.size() < kLeastPoints) return stays(NotCleaned::few_points);
+  if (!has_usable_scale(cloud)) return stays(NotCleaned::no_surface);
+  if (!cloud.has_normals() && !options.without_normals) return stays(NotCleaned::no_normals);
+  const auto lattice = options.radius ? std::nullopt : lattice_of(cloud);
+  if (lattice && fills_voxels(cloud, *lattice, executor)) return stays(NotCleaned::voxelised);
   const std::vector<glm::vec3> given_normals = cloud.normals;
   complete_normals(cloud, executor);
   PointSurface surface(cloud, executor);
@@ -118,15 +143,20 @@ CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor
       options.radius ? std::vector<float>(cloud.size(), static_cast<float>(*options.radius))
                      : support(measured);
   report.radius = median(radii);
-  const bool is_noise =
-      report.noise > kSmooth * report.spacing &&
-      median_of(measured, &Measured::difference) >= kLeastDifference * report.noise &&
-      report.radius <= kMostSpacings * report.spacing;
-  if (!options.radius && (!is_noise || is_voxelised(cloud, report.spacing) ||
-                          repeats_points(cloud, surface, measured))) {
+  const auto why_not = [&]() -> std::optional<NotCleaned> {
+    if (options.radius) return std::nullopt;
+    if (lattice && report.spacing < kVoxelSpacing * lattice->step) return NotCleaned::voxelised;
+    if (!(report.noise > smooth(options) * report.spacing)) return NotCleaned::smooth;
+    if (!(median_of(measured, &Measured::difference) >= kLeastDifference * report.noise) ||
+        !(report.radius <= kMostSpacings * report.spacing))
+      return NotCleaned::no_surface;
+    if (repeats_points(cloud, surface, measured)) return NotCleaned::repeated;
+    return std::nullopt;
+  }();
+  if (why_not) {
     cloud.normals = given_normals;
     report.radius = 0.0;
-    return report;
+    return stays(*why_not);
   }
   report.cell = cell(measured);
   if (!options.radius) leave_clumps(surface, radii);
@@ -152,7 +182,7 @@ CleanReport clean(PointCloud& cloud, const CleanOptions& options, const Executor
   }
   if (static_cast<double>(moved) < kLeastKept * static_cast<double>(cloud.size())) {
     cloud.normals = given_normals;
-    return report;
+    return stays(NotCleaned::no_surface);
   }
   const auto keeps = [&](std::size_t i) { return fates[i] != Fate::kRemoved; };
   if (before != nullptr) *before = before_of(cloud, surface, measured, keeps);

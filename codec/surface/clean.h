@@ -25,12 +25,27 @@ struct CleanOptions {
   /// Whether clouds without normals are cleaned, too. Without normals, the two sides of parts that
   /// are thinner than some spacings cannot be told apart and become one.
   bool without_normals = true;
+  /// Whether the sequence of which the cloud is a frame is worth cleaning. The frame then stays as
+  /// it is, or is cleaned, although it is a little noisier, or smoother, than clouds by themselves
+  /// may be: its neighbours do so, too.
+  std::optional<bool> noisy = std::nullopt;
+};
+
+/// Why a cloud stays as it is.
+enum class NotCleaned {
+  few_points,
+  no_normals,  ///< without CleanOptions::without_normals
+  voxelised,
+  smooth,
+  repeated,    ///< its points are, nearby
+  no_surface,  ///< it is no scan of one, or none fits within CleanOptions::radius
 };
 
 /// What `clean` found and did. Lengths are in the units of the cloud.
 struct CleanReport {
-  bool cleaned = false;     ///< false: the cloud is as it was
-  double spacing = 0.0;     ///< between neighbouring points, the median
+  bool cleaned = false;                     ///< false: the cloud is as it was
+  NotCleaned why = NotCleaned::few_points;  ///< unless it was cleaned
+  double spacing = 0.0;     ///< between neighbouring points, the median; 0: not measured
   double noise = 0.0;       ///< standard deviation across the surface, the median
   double radius = 0.0;      ///< of support, the median
   std::size_t removed = 0;  ///< points that no surface supports

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -369,6 +370,49 @@ class SurfaceEstimate {
   std::vector<CellSurface> cells_;             ///< for each leaf
 };
 
+/// The mean of the normals around a point that has none, if they agree.
+std::optional<glm::vec3> mean_normal(const PointCloud& cloud, std::size_t point) {
+  constexpr std::size_t kAround = 12;
+  constexpr float kAgree = 0.7f;  ///< the length of the mean of their normals
+  struct Near {
+    float square;
+    std::size_t index;
+  };
+  std::array<Near, kAround> nearest;
+  nearest.fill({std::numeric_limits<float>::infinity(), 0});
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::vec3 way = cloud.positions[i] - cloud.positions[point];
+    const float square = glm::dot(way, way);
+    if (!(square < nearest.back().square) || cloud.normals[i] == glm::vec3(0.0f)) continue;
+    const auto at = std::ranges::upper_bound(nearest, square, {}, &Near::square);
+    std::move_backward(at, nearest.end() - 1, nearest.end());
+    *at = {square, i};
+  }
+  if (std::isinf(nearest.back().square)) return std::nullopt;
+  glm::vec3 sum(0.0f);
+  for (const Near& near : nearest) sum += cloud.normals[near.index];
+  if (glm::length(sum) < kAgree * kAround) return std::nullopt;
+  return glm::normalize(sum);
+}
+
+/// Completes the normals of a few points by those around them, which takes a fraction of the time
+/// of estimating all. False if there are many, or if normals around one do not agree.
+bool complete_few(PointCloud& cloud) {
+  constexpr std::size_t kFew = 64;
+  std::vector<std::size_t> unknown;
+  for (std::size_t i = 0; i < cloud.size() && unknown.size() <= kFew; ++i)
+    if (cloud.normals[i] == glm::vec3(0.0f)) unknown.push_back(i);
+  if (unknown.size() > kFew) return false;
+  std::vector<glm::vec3> found;
+  for (const std::size_t i : unknown) {
+    const auto normal = mean_normal(cloud, i);
+    if (!normal) return false;
+    found.push_back(*normal);
+  }
+  for (std::size_t k = 0; k < unknown.size(); ++k) cloud.normals[unknown[k]] = found[k];
+  return true;
+}
+
 }  // namespace
 
 void estimate_normals(PointCloud& cloud, const Executor& executor) {
@@ -404,6 +448,7 @@ void complete_normals(PointCloud& cloud, const Executor& executor) {
   if (!cloud.has_normals()) {
     estimate_normals(cloud, executor);
   } else if (std::ranges::any_of(cloud.normals, lacks)) {
+    if (complete_few(cloud)) return;
     std::vector<glm::vec3> given = std::move(cloud.normals);
     estimate_normals(cloud, executor);
     for (std::size_t i = 0; i < given.size(); ++i) {

@@ -29,8 +29,8 @@ void estimate_normals(PointCloud& cloud, const Executor& executor = {});
 /// Duplicates count once.
 void estimate_normals_and_radii(PointCloud& cloud, const Executor& executor = {});
 
-/// Estimates the normals of points that have none, as `estimate_normals` does, and keeps the
-/// others.
+/// Estimates the normals of points that have none, and keeps the others: as `estimate_normals`
+/// does, or, of a few points, by the normals around each, if these agree.
 void complete_normals(PointCloud& cloud, const Executor& executor = {});
 
 /// Estimates the radius of every point whose radius is zero, which is how `sanitize` marks unusable

@@ -82,10 +82,6 @@ template <bool kMoments>
   if constexpr (kMoments) *moments = m;
 }
 
-[[gnu::always_inline]] inline void take_roots(Lanes& values) {
-  for (std::size_t lane = 0; lane < kLanes; ++lane) values[lane] = std::sqrt(values[lane]);
-}
-
 [[gnu::always_inline]] inline void fit_and_project(const PlaceSums& sums, float beta,
                                                    const Lanes& fx, const Lanes& fy,
                                                    const Lanes& fz, PlacesFound& result) {

@@ -469,6 +469,7 @@ std::vector<SurfaceSample> PointSurface::project(std::span<const float> radii, d
 }
 
 void PointSurface::fit_patches(std::span<const float> radii, double beta,
+                               std::span<const std::uint32_t> slots,
                                std::span<SurfacePatch> patches, const Executor& executor) const {
   for_each_row(radii, 1, executor, [&](const PointRow& row, Nearby& nearby) {
     RowPlaces at(row, points_, radii, kLeastCosine);
@@ -479,7 +480,7 @@ void PointSurface::fit_patches(std::span<const float> radii, double beta,
     for (std::size_t lane = 0; lane < row.count; ++lane) {
       if (!at.wanted[lane]) continue;
       const std::uint32_t point = row.points[lane];
-      SurfacePatch& patch = patches[point];
+      SurfacePatch& patch = patches[slots[point]];
       patch = {};
       const auto sphere = fit_sphere(sums.at(lane), beta);
       // A point alone fits any surface.

@@ -89,9 +89,10 @@ class PointSurface {
                                      const Executor& executor = {},
                                      std::span<const glm::vec3> normals = {}) const;
 
-  /// Fits the surface around the points that have a radius. The others' patches stay as they are.
-  void fit_patches(std::span<const float> radii, double beta, std::span<SurfacePatch> patches,
-                   const Executor& executor = {}) const;
+  /// Fits the surface around the points that have a radius. `slots`: where the patches of these
+  /// points are in `patches`; the others' patches stay as they are.
+  void fit_patches(std::span<const float> radii, double beta, std::span<const std::uint32_t> slots,
+                   std::span<SurfacePatch> patches, const Executor& executor = {}) const;
 
   /// The means of `values` around each point, with the weights of the surface. Points whose normal
   /// is more than a right angle away do not count.

@@ -1,5 +1,6 @@
 #include "codec/video/video_frame.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
@@ -19,8 +20,12 @@
 namespace pointreel {
 namespace {
 
-/// Of a pixel, at most: its mask and depth, eight reference pictures of both videos, and a point.
-constexpr std::uint64_t kBytesOfPixel = 120;
+/// Of a pixel, at most: its mask and depths, and eight reference pictures of both videos.
+constexpr std::uint64_t kBytesOfPixel = 64;
+/// Of a point, at most: what a cloud holds of it, and what is made of that for drawing.
+constexpr std::uint64_t kBytesOfPoint = 56;
+/// The points of a block that is on, at most: rounding its edges adds corners of those beside it.
+constexpr std::uint64_t kPointsOfBlock = kBlock * kBlock + 2;
 
 struct Parts {
   ByteView group, occupancy, leftovers, depth;
@@ -165,14 +170,29 @@ Chunks<Bytes> video_chunks(int index, const VideoGeometry& geometry, const Bytes
   return chunks;
 }
 
+namespace {
+
+tl::unexpected<Error> too_large(const VideoGroup& group) {
+  return fail(ErrorCode::limit, concat("the video's pictures of ", group.width, " x ", group.height,
+                                       " pixels take more memory than a frame may"));
+}
+
+Result<void> check_memory(const VideoGroup& group, std::uint64_t blocks,
+                          const DecodeLimits& limits) {
+  const std::uint64_t points = std::min<std::uint64_t>(kPointsOfBlock * blocks, group.pixels());
+  if (group.pixels() * kBytesOfPixel + points * kBytesOfPoint > limits.max_memory)
+    return too_large(group);
+  return {};
+}
+
+}  // namespace
+
 Result<void> VideoFrameReader::begin(ByteView header, const DecodeLimits& limits) {
   ParsedVideoGroup parsed = TRY(read_video_group(header));
   if (!parsed.rest.empty()) return fail("the video's header is followed by something");
   const VideoGroup& group = parsed.group;
-  if (group.pixels() > limits.max_points || group.pixels() * kBytesOfPixel > limits.max_memory)
-    return fail(ErrorCode::limit,
-                concat("the video's pictures of ", group.width, " x ", group.height,
-                       " pixels take more memory than a frame may"));
+  if (group.pixels() > limits.max_points) return too_large(group);
+  TRY(check_memory(group, 0, limits));
   group_ = std::make_shared<const VideoGroup>(std::move(parsed.group));
   occupancy_.emplace(*group_);
   colors_ = group_->colors;
@@ -194,6 +214,7 @@ Result<CodedVideoFrame> VideoFrameReader::read(const Chunks<ByteView>& chunks,
     colors = TRY(read_video_chunk(chunks.colors, ChunkKind::colors, tag)).payload;
   colors_ = colors_ && !colors.empty();
   BlockMask blocks = TRY(occupancy_->decode(parts.occupancy));
+  TRY(check_memory(*group_, static_cast<std::uint64_t>(std::ranges::count(blocks.on, 1)), limits));
   return CodedVideoFrame{group_,          next_++,     std::move(blocks),
                          parts.leftovers, parts.depth, colors_ ? colors : ByteView()};
 }

@@ -38,8 +38,8 @@ struct CodedVideoFrame {
 /// Reads the frames of a group, one after another: everything but AV1.
 ///
 /// Trust: the bytes may be hostile. The memory that the whole decoding takes is bounded by
-/// DecodeLimits::max_memory, counted from the size of the pictures. Any bytes give a frame or an
-/// error.
+/// DecodeLimits::max_memory, counted from the size of the pictures and what is on in them. Any
+/// bytes give a frame or an error.
 class VideoFrameReader {
  public:
   /// Reads the next frame of a group, or the first one of a new group. The frame's views are of

@@ -58,7 +58,11 @@ class Encoder {
     settings.transfer_characteristics = EB_CICP_TC_SRGB;
     if (svt_av1_enc_set_parameter(handle_, &settings) != EB_ErrorNone)
       return failed("take these options");
-    if (svt_av1_enc_init(handle_) != EB_ErrorNone) return failed("start");
+    if (svt_av1_enc_init(handle_) != EB_ErrorNone) {
+      // Where memory is short, releasing it would wait for threads that never began (1.4.1).
+      handle_ = nullptr;
+      return failed("start");
+    }
     begun_ = true;
     return {};
   }

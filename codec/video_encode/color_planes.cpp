@@ -101,7 +101,7 @@ ColorPlanes color_planes(const VideoGroup& group, const DecodedDepth& decoded,
   });
   std::vector<glm::vec4> sums(group.pixels(), glm::vec4(0.0f));
   for (std::size_t i = 0; i < source.size(); ++i)
-    if (target[i] != kNobody) sums[target[i]] += glm::vec4(source.colors[i], 1.0f);
+    if (target[i] != kNobody) sums[target[i]] += glm::vec4(source.color(i), 1.0f);
 
   ColorPlanes planes{Plane(group.width, group.height), Plane(group.width / 2, group.height / 2),
                      Plane(group.width / 2, group.height / 2)};
@@ -116,9 +116,9 @@ ColorPlanes color_planes(const VideoGroup& group, const DecodedDepth& decoded,
             nearest_source(source, patch.view, place_of(patch, x, y, decoded.depth[p]));
         const bool any = sums[p].w > 0.0f;
         if (!any && nearest == kNobody) continue;
-        const glm::vec3 mean = any ? glm::vec3(sums[p]) / sums[p].w : source.colors[nearest];
+        const glm::vec3 mean = any ? glm::vec3(sums[p]) / sums[p].w : source.color(nearest);
         const glm::vec3 rgb =
-            nearest == kNobody ? mean : 0.6f * mean + 0.4f * source.colors[nearest];
+            nearest == kNobody ? mean : 0.6f * mean + 0.4f * source.color(nearest);
         colors[p] = ycbcr_of(rgb);
         planes.luma.values[p] = colors[p].x;
         planes.luma.known[p] = 1;

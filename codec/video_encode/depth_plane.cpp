@@ -36,10 +36,7 @@ class DepthOfPatch {
         depth_(depth) {}
 
   void take(const ViewLayer& layer) {
-    for_each_pixel([&](int x, int y) {
-      const int u = patch_.x + x, v = patch_.y + y;
-      if (u < points_.side && v < points_.side && layer.used()) of(x, y) = layer.depth[pixel(x, y)];
-    });
+    for_each_pixel([&](int x, int y) { of(x, y) = layer.at(patch_.x + x, patch_.y + y); });
   }
 
   void fill(const std::vector<std::uint8_t>& mask) {
@@ -133,20 +130,15 @@ class DepthOfPatch {
 
 }  // namespace
 
-BlockMask blocks_of(const VideoGroup& group, const ViewLayers& layers, int side) {
+BlockMask blocks_of(const VideoGroup& group, const ViewLayers& layers) {
   BlockMask blocks(group);
   for (const Patch& patch : group.patches) {
     const ViewLayer& layer =
         layers[static_cast<std::size_t>(patch.view)][static_cast<std::size_t>(patch.layer)];
     if (!layer.used()) continue;
-    for (int y = 0; y < patch.height && patch.y + y < side; ++y) {
-      for (int x = 0; x < patch.width && patch.x + x < side; ++x) {
-        const auto pixel = static_cast<std::size_t>(patch.y + y) * static_cast<std::size_t>(side) +
-                           static_cast<std::size_t>(patch.x + x);
-        if (layer.depth[pixel] != ViewLayer::kNone)
-          blocks.at((patch.atlas_x + x) / kBlock, (patch.atlas_y + y) / kBlock) = 1;
-      }
-    }
+    layer.for_each([&](int x, int y, float) {
+      blocks.at((patch.atlas_x + x - patch.x) / kBlock, (patch.atlas_y + y - patch.y) / kBlock) = 1;
+    });
   }
   return blocks;
 }

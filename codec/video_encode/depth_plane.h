@@ -11,8 +11,8 @@
 
 namespace pointreel {
 
-/// The blocks in which a layer has a pixel. `side`: pixels along each side of a view.
-BlockMask blocks_of(const VideoGroup& group, const ViewLayers& layers, int side);
+/// The blocks in which a layer has a pixel.
+BlockMask blocks_of(const VideoGroup& group, const ViewLayers& layers);
 
 /// The depth of each pixel of the group's pictures, in pixels along its view's axis, or
 /// ViewLayer::kNone: that of the layers, and, where `mask` is on and they have none, that of a

@@ -15,19 +15,17 @@ int down_to_grain(int pixels) { return pixels / kPatchGrain * kPatchGrain; }
 int up_to_grain(int pixels) { return down_to_grain(pixels + kPatchGrain - 1); }
 
 /// The rectangle of the layer's pixels in all frames; its width is 0 if there are none.
-Patch bounding_patch(std::span<const ViewLayers> frames, int side, int view, int layer) {
-  int left = side, top = side, right = 0, bottom = 0;
+Patch bounding_patch(std::span<const ViewLayers> frames, int view, int layer) {
+  int left = kLargestAtlas, top = kLargestAtlas, right = 0, bottom = 0;
   for (const ViewLayers& frame : frames) {
     const ViewLayer& pixels =
         frame[static_cast<std::size_t>(view)][static_cast<std::size_t>(layer)];
-    for (std::size_t p = 0; p < pixels.depth.size(); ++p) {
-      if (pixels.depth[p] == ViewLayer::kNone) continue;
-      const int x = static_cast<int>(p) % side, y = static_cast<int>(p) / side;
+    pixels.for_each([&](int x, int y, float) {
       left = std::min(left, x);
       right = std::max(right, x + 1);
       top = std::min(top, y);
       bottom = std::max(bottom, y + 1);
-    }
+    });
   }
   Patch patch{.view = view, .layer = layer};
   if (right == 0) return patch;
@@ -63,12 +61,12 @@ void place(std::vector<Patch>& patches, int width) {
 
 }  // namespace
 
-void place_patches(std::span<const ViewLayers> frames, int side, VideoGroup& group) {
+void place_patches(std::span<const ViewLayers> frames, VideoGroup& group) {
   group.patches.clear();
   int widest = 0;
   for (int view = 0; view < kViews; ++view) {
     for (int layer = 0; layer < kViewLayers; ++layer) {
-      const Patch patch = bounding_patch(frames, side, view, layer);
+      const Patch patch = bounding_patch(frames, view, layer);
       if (patch.width == 0) continue;
       group.patches.push_back(patch);
       widest = std::max(widest, patch.width);

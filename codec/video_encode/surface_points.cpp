@@ -55,16 +55,25 @@ SurfacePoints surface_points(const PointCloud& cloud, const glm::dvec3& corner, 
         static_cast<std::uint32_t>(i));
   }
   radix_sort(order);
+  points.source.reserve(cloud.size());
+  points.places.reserve(cloud.size());
+  points.normals.reserve(cloud.size());
+  points.colors.reserve(cloud.colors.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
     const std::uint32_t from = order[i].index;
     points.source.push_back(from);
     points.places.push_back(places[from]);
     points.normals.push_back(cloud.normals[from]);
-    if (cloud.has_colors()) points.colors.push_back(glm::vec3(cloud.colors[from]) / 257.0f);
+    if (cloud.has_colors()) points.colors.push_back(cloud.colors[from]);
     if (i == 0 || order[i].key != order[i - 1].key)
       points.cell_begin.push_back(static_cast<std::uint32_t>(i));
   }
   points.cell_begin.push_back(static_cast<std::uint32_t>(order.size()));
+  if (!places.empty()) points.least = points.most = glm::ivec3(places.front());
+  for (const glm::vec3& place : places) {
+    points.least = glm::min(points.least, glm::ivec3(place));
+    points.most = glm::max(points.most, glm::ivec3(place));
+  }
   for (int axis = 0; axis < 3; ++axis)
     points.columns[static_cast<std::size_t>(axis)] = columns_of(points, axis);
   return points;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <glm/glm.hpp>
+#include <glm/gtc/type_precision.hpp>
 
 #include "codec/video/views.h"
 #include "pointreel/cloud.h"
@@ -28,13 +29,16 @@ struct SurfacePoints {
 
   int side = 0;                           ///< pixels along each side of a view
   std::vector<glm::vec3> places;          ///< from 0 to `side`
+  glm::ivec3 least{0}, most{0};           ///< the pixels of all places lie from here to there
   std::vector<glm::vec3> normals;         ///< of unit length or zero, as many
-  std::vector<glm::vec3> colors;          ///< from 0 to 255, as many, or none
+  std::vector<glm::u16vec3> colors;       ///< as many, or none
   std::vector<std::uint32_t> source;      ///< the index of each in the cloud
   std::vector<std::uint32_t> cell_begin;  ///< of the points of each cell that has any, and one more
   std::array<Columns, 3> columns;
 
   std::size_t size() const { return places.size(); }
+  /// Of a point, from 0 to 255.
+  glm::vec3 color(std::size_t point) const { return glm::vec3(colors[point]) / 257.0f; }
   std::size_t pixel_of(std::size_t point, const ViewAxes& axes) const {
     const glm::ivec3 cell(places[point]);
     return static_cast<std::size_t>(cell[axes.v]) * static_cast<std::size_t>(side) +

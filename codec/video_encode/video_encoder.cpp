@@ -33,7 +33,7 @@ namespace {
 /// How far depths of one surface may be apart in neighbouring pixels, in pixels.
 constexpr float kSameSurface = 4.0f;
 
-bool has_colors(const PointCloud& cloud) { return cloud.has_colors(); }
+bool has_colors(const PointCloud* cloud) { return cloud->has_colors(); }
 
 /// The mean of what is known in the frames, and what continues it.
 class Background {
@@ -71,7 +71,7 @@ void put_samples(const std::vector<float>& values, float most, Bytes& bytes) {
 
 class GroupEncoder {
  public:
-  GroupEncoder(std::span<const PointCloud> clouds, const glm::dvec3& corner,
+  GroupEncoder(std::span<const PointCloud* const> clouds, const glm::dvec3& corner,
                const VideoOptions& options)
       : clouds_(clouds), options_(options), frames_(clouds.size()) {
     group_.origin = corner;
@@ -84,7 +84,7 @@ class GroupEncoder {
     lay();
     std::vector<ViewLayers> layers;
     for (Frame& frame : frames_) layers.push_back(std::move(frame.layers));
-    place_patches(layers, options_.side, group_);
+    place_patches(layers, group_);
     if (group_.width > kLargestAtlas || group_.height > kLargestAtlas)
       return fail(ErrorCode::limit,
                   concat("the video needs pictures of ", group_.width, " x ", group_.height,
@@ -92,7 +92,7 @@ class GroupEncoder {
                          " along a side: its frames lie too far apart; let fewer of them "
                          "share a segment, or remove stray points"));
     for_each_frame([&](Frame& frame, std::size_t i) {
-      frame.blocks = blocks_of(group_, layers[i], options_.side);
+      frame.blocks = blocks_of(group_, layers[i]);
       frame.mask = pixel_mask(group_, *frame.blocks);
       frame.depth = middle_depth(group_, layers[i], frame.points, frame.mask);
       layers[i] = {};
@@ -138,7 +138,7 @@ class GroupEncoder {
 
   void lay() {
     for_each_frame([&](Frame& frame, std::size_t i) {
-      frame.points = surface_points(clouds_[i], group_.origin, options_.pitch, options_.side);
+      frame.points = surface_points(*clouds_[i], group_.origin, options_.pitch, options_.side);
     });
     ViewLabels labels;
     const ViewLayers* before = nullptr;
@@ -257,7 +257,7 @@ class GroupEncoder {
     const std::vector<std::uint32_t> left =
         leftovers(group_, frames_[i].decoded, points, options_.executor);
     if (left.empty()) return Bytes{};
-    const PointCloud& cloud = clouds_[i];
+    const PointCloud& cloud = *clouds_[i];
     PointCloud few;
     few.origin = cloud.origin;
     for (const std::uint32_t point : left) {
@@ -283,7 +283,7 @@ class GroupEncoder {
     return bytes;
   }
 
-  std::span<const PointCloud> clouds_;
+  std::span<const PointCloud* const> clouds_;
   const VideoOptions& options_;
   VideoGroup group_;
   std::vector<Frame> frames_;
@@ -291,7 +291,7 @@ class GroupEncoder {
 
 }  // namespace
 
-Result<std::vector<Chunks<Bytes>>> encode_video_group(std::span<const PointCloud> frames,
+Result<std::vector<Chunks<Bytes>>> encode_video_group(std::span<const PointCloud* const> frames,
                                                       const glm::dvec3& corner,
                                                       const VideoOptions& options) {
   const auto fits = [](int value, int least, int most) { return value >= least && value <= most; };
@@ -305,10 +305,10 @@ Result<std::vector<Chunks<Bytes>>> encode_video_group(std::span<const PointCloud
                 "the points lie too close together for video, or too far from the origin; multiply "
                 "their coordinates");
   const bool colored = options.colors && std::any_of(frames.begin(), frames.end(), has_colors);
-  for (const PointCloud& cloud : frames) {
-    if (cloud.normals.size() != cloud.size())
+  for (const PointCloud* cloud : frames) {
+    if (cloud->normals.size() != cloud->size())
       return fail(ErrorCode::argument, "frames of video need normals");
-    if (colored && cloud.colors.size() != cloud.size())
+    if (colored && cloud->colors.size() != cloud->size())
       return fail(ErrorCode::argument, "all frames of a group of video need colours, or none");
   }
   return GroupEncoder(frames, corner, options).encode();

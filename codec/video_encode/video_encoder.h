@@ -30,7 +30,7 @@ struct VideoOptions {
 /// Errors: `argument` for options out of range, frames without normals, and colours that only some
 /// frames have; `limit` if pixels are too small for the format, if the views need larger pictures
 /// than kLargestAtlas, or if the encoder fails.
-Result<std::vector<Chunks<Bytes>>> encode_video_group(std::span<const PointCloud> frames,
+Result<std::vector<Chunks<Bytes>>> encode_video_group(std::span<const PointCloud* const> frames,
                                                       const glm::dvec3& corner,
                                                       const VideoOptions& options);
 

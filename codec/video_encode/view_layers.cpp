@@ -37,17 +37,11 @@ struct BlockSums {
       : side((pixels + kPlan - 1) / kPlan),
         blocks(static_cast<std::size_t>(side) * static_cast<std::size_t>(side)) {}
   BlockSums(int pixels, const ViewLayer& layer) : BlockSums(pixels) {
-    if (!layer.used()) return;
-    const float* depth = layer.depth.data();
-    for (int y = 0; y < pixels; ++y) {
-      Block* const row =
-          &blocks[static_cast<std::size_t>(y / kPlan) * static_cast<std::size_t>(side)];
-      for (int x = 0; x < pixels; ++x, ++depth) {
-        if (*depth == ViewLayer::kNone) continue;
-        row[x / kPlan].sum += *depth;
-        ++row[x / kPlan].count;
-      }
-    }
+    layer.for_each([&](int x, int y, float depth) {
+      Block& block = blocks[static_cast<std::size_t>(y / kPlan * side + x / kPlan)];
+      block.sum += depth;
+      ++block.count;
+    });
   }
 
   std::size_t of_pixel(std::size_t pixel, std::size_t pixels) const {
@@ -231,7 +225,7 @@ class OneView {
   void put(const std::vector<PatchPixel>& patch, std::size_t layer) {
     ViewLayer& into = layers_[layer];
     BlockSums& sums = sums_[layer];
-    if (!into.used()) into.depth.assign(pixels_ * pixels_, ViewLayer::kNone);
+    if (!into.used()) begin(into);
     // Blocks that hold something else keep it.
     for (const std::size_t b : plan_) {
       const BlockSums::Block& held = sums.blocks[b];
@@ -240,10 +234,23 @@ class OneView {
     }
     for (const PatchPixel& pixel : patch) {
       if (sums_of_patch_[sums.of_pixel(pixel.pixel, pixels_)].count == 0.0f) continue;
-      if (into.depth[pixel.pixel] != ViewLayer::kNone) continue;
-      into.depth[pixel.pixel] = pixel.depth;
+      float& depth = into.depth[into.index(static_cast<int>(pixel.pixel % pixels_),
+                                           static_cast<int>(pixel.pixel / pixels_))];
+      if (depth != ViewLayer::kNone) continue;
+      depth = pixel.depth;
       sums.add(pixel.pixel, pixels_, pixel.depth);
     }
+  }
+
+  /// Nothing of the frame lies outside of the points' bounds.
+  void begin(ViewLayer& layer) const {
+    layer.left = points_.least[axes_.u];
+    layer.top = points_.least[axes_.v];
+    layer.width = points_.most[axes_.u] - layer.left + 1;
+    layer.height = points_.most[axes_.v] - layer.top + 1;
+    layer.depth.assign(
+        static_cast<std::size_t>(layer.width) * static_cast<std::size_t>(layer.height),
+        ViewLayer::kNone);
   }
 
   const SurfacePoints& points_;
@@ -258,18 +265,18 @@ class OneView {
 
 /// Whether a pixel of a view is within one pixel of a place along each axis.
 bool is_near(const glm::vec3& place, const ViewAxes& axes,
-             const std::array<ViewLayer, kViewLayers>& layers, int side) {
+             const std::array<ViewLayer, kViewLayers>& layers) {
   const glm::ivec3 cell(place);
   const int u = cell[axes.u], v = cell[axes.v];
   for (const ViewLayer& layer : layers) {
     if (!layer.used()) continue;
     const auto holds = [&](int x, int y) {
-      const float depth = layer.depth[static_cast<std::size_t>(y * side + x)];
+      const float depth = layer.at(x, y);
       return depth != ViewLayer::kNone && std::abs(depth - place[axes.depth]) <= 1.01f;
     };
     if (holds(u, v)) return true;
-    for (int y = std::max(0, v - 1); y <= std::min(side - 1, v + 1); ++y)
-      for (int x = std::max(0, u - 1); x <= std::min(side - 1, u + 1); ++x)
+    for (int y = v - 1; y <= v + 1; ++y)
+      for (int x = u - 1; x <= u + 1; ++x)
         if (holds(x, y)) return true;
   }
   return false;
@@ -282,7 +289,7 @@ std::vector<std::uint32_t> uncovered(const SurfacePoints& points,
                                      const ViewLayers& layers, const Executor& executor) {
   return filter_points(of, executor, [&](std::uint32_t i) {
     const auto near = [&](std::size_t v) {
-      return is_near(points.places[i], kViewAxes[v], layers[v], points.side);
+      return is_near(points.places[i], kViewAxes[v], layers[v]);
     };
     bool found = near(labels[i]);
     for (std::size_t v = 0; v < kViews && !found; ++v) found = v != labels[i] && near(v);

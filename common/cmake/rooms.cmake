@@ -76,6 +76,14 @@ function(pointreel_program name)
   cmake_parse_arguments(PARSE_ARGV 1 program "" "" "SOURCES;USES")
   add_executable(${name} ${program_SOURCES})
   target_link_libraries(${name} PRIVATE ${program_USES} pointreel_flags)
+  pointreel_use_huge_pages(${name})
+endfunction()
+
+# Sanitizers have an allocator of their own.
+function(pointreel_use_huge_pages program)
+  if(NOT (POINTREEL_SANITIZE OR POINTREEL_SANITIZE_THREADS OR POINTREEL_FUZZ))
+    target_sources(${program} PRIVATE ${PROJECT_SOURCE_DIR}/common/process/huge_pages.cpp)
+  endif()
 endfunction()
 
 # A source full of Boost.Beast templates takes seven minutes and 4 GB to compile with optimisation

@@ -5,8 +5,11 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <fstream>
+#include <memory>
 #include <optional>
 #include <sstream>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -89,9 +92,18 @@ class HelpFormatter : public CLI::Formatter {
 
   std::string make_positionals(const CLI::App* app) const override {
     std::vector<const CLI::Option*> arguments = app->get_options([](const CLI::Option* option) {
-      return !option->get_group().empty() && is_argument(*option);
+      return !option->get_group().empty() && option->get_positional();
     });
     return arguments.empty() ? "" : make_group(get_label("Positionals"), true, arguments);
+  }
+
+  /// Options that may be given without their names stand among the arguments, too.
+  std::string make_option(const CLI::Option* option, bool as_argument) const override {
+    if (!as_argument || is_argument(*option)) return CLI::Formatter::make_option(option, false);
+    std::ostringstream out;
+    CLI::detail::format_help(out, option->get_name(true), "The same as " + option->get_name(),
+                             kColumn);
+    return out.str();
   }
 
   std::string make_option_name(const CLI::Option* option, bool) const override {
@@ -289,8 +301,66 @@ Option Command::add_flag_callback(const std::string& names, const std::function<
   return Option(app_->add_flag_callback(names, set, description));
 }
 
+namespace {
+
+/// CLI11 takes a "#" in quotes for a comment, and a list for ended at the end of a line that begins
+/// it. It gets lines without comments, and each list as one line.
+class ConfigFile : public CLI::ConfigTOML {
+ public:
+  ConfigFile() { commentChar = '\0'; }
+
+  std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
+    std::stringstream plain;
+    std::string item;
+    int number = 0, begin = 0;
+    for (std::string line; std::getline(in, line);) {
+      ++number;
+      if (item.empty()) begin = number;
+      item += line.substr(0, find_outside_quotes(line, '#'));
+      if (is_open_list(item)) {
+        item += ' ';
+        continue;
+      }
+      plain << item << '\n';
+      item.clear();
+    }
+    if (!item.empty())
+      throw CLI::ConfigError(
+          fmt::format("--config: the list that begins in line {} has no end", begin));
+    return CLI::ConfigTOML::from_config(plain);
+  }
+
+ private:
+  /// Where a text first has a character that is not in quotes.
+  static std::size_t find_outside_quotes(const std::string& text, char wanted) {
+    char quote = '\0';
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      const char c = text[i];
+      if (quote == '\0' && c == wanted) return i;
+      if (quote == '"' && c == '\\') {
+        ++i;
+      } else if (quote != '\0') {
+        if (c == quote) quote = '\0';
+      } else if (c == '"' || c == '\'') {
+        quote = c;
+      }
+    }
+    return std::string::npos;
+  }
+
+  static bool is_open_list(const std::string& item) {
+    const std::size_t equals = item.find('=');
+    const std::size_t value = item.find_first_not_of(" \t", equals + 1);
+    return equals != std::string::npos && value != std::string::npos && item[value] == '[' &&
+           find_outside_quotes(item.substr(value), ']') == std::string::npos;
+  }
+};
+
+}  // namespace
+
 Option Command::add_config(const std::string& names, const std::string& description) const {
   CLI::App& program = *app_->get_parent();
+  program.config_formatter(std::make_shared<ConfigFile>());
   for (CLI::App* app : {&program, app_}) app->allow_config_extras(CLI::config_extras_mode::error);
   app_->fallthrough();
   return Option(program.set_config(names, "", description));
@@ -343,7 +413,9 @@ void Program::add_common_options() {
   const auto add = [&](const auto& self, CLI::App& to) -> void {
     if (own_formatter(to) == nullptr) {
       to.formatter(formatter);
-      if (to.get_parent() != nullptr) to.set_help_all_flag();  // inherited, but --help shows all
+      // --help shows all options, too.
+      if (to.get_parent() != nullptr)
+        to.set_help_all_flag("--help-all", "Print all options and exit")->group("");
     }
     to.set_help_flag("-h,--help", "Print this help and exit");
     to.set_version_flag("--version", name() + " " POINTREEL_VERSION, "Print the version and exit");
@@ -364,11 +436,62 @@ void Program::add_common_options() {
   add(add, *app_);
 }
 
+namespace {
+
+/// What is wrong with a line of a configuration file of which CLI11 could make nothing. The line
+/// may hold a token: nothing of it is said but the name before its "=".
+std::string fault_of_config(const CLI::App& app, const std::string& item) {
+  const CLI::Option* config = app.get_config_ptr();
+  std::ifstream in(config == nullptr || config->empty() ? "" : config->as<std::string>());
+  std::string line;
+  int first_without = 0;
+  for (int number = 1; std::getline(in, line); ++number) {
+    const auto begin = line.find_first_not_of(" \t\r");
+    if (begin == std::string::npos || line[begin] == '#' || line[begin] == ';') continue;
+    if (line[begin] == '[') {
+      const std::string section = line.substr(begin + 1, line.find(']') - begin - 1);
+      const auto is_it = [&](const CLI::App* command) { return command->get_name() == section; };
+      if (app.get_subcommands(is_it).empty())
+        return fmt::format("--config: line {} is not the name of a command, such as [serve]",
+                           number);
+      continue;
+    }
+    const auto equals = line.find('=');
+    if (equals == std::string::npos || equals == begin) {
+      if (first_without == 0) first_without = number;
+      continue;
+    }
+    const auto end = line.find_last_not_of(" \t\"'", equals - 1);
+    if (end == std::string::npos || end < begin) continue;
+    const std::string name = line.substr(begin, end - begin + 1);
+    if (item == name || item.ends_with("." + name))
+      return fmt::format("--config: line {}: there is no option {}", number, item);
+  }
+  return first_without == 0 ? "--config: a line is not NAME = VALUE"
+                            : fmt::format("--config: line {} is not NAME = VALUE", first_without);
+}
+
+/// What is wrong with a command line, in one line.
+std::string fault_of(const CLI::App& app, const CLI::Error& error) {
+  const std::string what = error.what();
+  // CLI11's words for an option in a configuration file that it does not know.
+  constexpr std::string_view kUnknown = "INI was not able to parse ";
+  if (what.starts_with(kUnknown)) return fault_of_config(app, what.substr(kUnknown.size()));
+  // It looks for a command before it says that a word is none.
+  if (what != "A subcommand is required") return what;
+  const std::vector<std::string> others = app.remaining(true);
+  if (others.empty()) return "a command is missing";
+  return fmt::format("there is no {} \"{}\"", others[0].starts_with('-') ? "option" : "command",
+                     others[0]);
+}
+
+}  // namespace
+
 Result<void> Program::parse(const std::vector<std::string>& arguments) try {
   app_->parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   return {};
 } catch (const CLI::Error& error) {
-  return fail(ErrorCode::argument, error.what());
+  return fail(ErrorCode::argument, fault_of(*app_, error));
 }
 
 std::optional<int> Program::parse(int argc, const char* const* argv) {
@@ -384,12 +507,7 @@ std::optional<int> Program::parse(int argc, const char* const* argv) {
       given = given->get_subcommands().front();
       command += " " + given->get_name();
     }
-    std::string what = error.what();
-    // CLI11's words for an option in a configuration file that it does not know.
-    constexpr std::string_view kUnknown = "INI was not able to parse ";
-    if (what.starts_with(kUnknown))
-      what.replace(0, kUnknown.size(), "--config: there is no option ");
-    print_error(name(), fmt::format("{}; see {} --help", what, command));
+    print_error(name(), fmt::format("{}; see {} --help", fault_of(*app_, error), command));
     return 2;
   } catch (const std::exception& error) {  // from a subcommand; most likely out of memory
     print_error(name(), error.what());

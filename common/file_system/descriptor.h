@@ -4,10 +4,31 @@
 #include <stop_token>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <poll.h>
+#include <unistd.h>
 
 namespace pointreel {
+
+/// An open file, closed with its owner. -1: none.
+class Descriptor {
+ public:
+  explicit Descriptor(int file = -1) : file_(file) {}
+  Descriptor(Descriptor&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(file_, other.file_);
+    return *this;
+  }
+  ~Descriptor() { close(); }
+  int get() const { return file_; }
+  void close() {
+    if (file_ >= 0) ::close(std::exchange(file_, -1));
+  }
+
+ private:
+  int file_;
+};
 
 /// The longest time that a wait for a descriptor continues after it was stopped.
 inline constexpr int kPollMs = 50;

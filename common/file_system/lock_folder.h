@@ -10,4 +10,7 @@ namespace pointreel {
 /// meanwhile (ESTALE), or on file systems without locks.
 int lock_folder(const std::filesystem::path& folder, int wait);
 
+/// Whether this is still the folder that a descriptor was opened for.
+bool is_still(int descriptor, const std::filesystem::path& folder);
+
 }  // namespace pointreel

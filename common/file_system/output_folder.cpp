@@ -1,7 +1,9 @@
 #include "common/file_system/output_folder.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <cstdint>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -97,6 +99,13 @@ std::string hidden_prefix(const fs::path& final) {
   return fmt::format(".{}.partial-", final.filename().string());
 }
 
+/// Different in each call, so that threads that write to one place never make the same name: what
+/// one of them has removed as abandoned must not come back as the folder of another.
+std::uint64_t next_number() {
+  static std::atomic<std::uint64_t> number{0};
+  return number++;
+}
+
 /// Removes the hidden folders for this place that no program writes to any more.
 void remove_abandoned(const fs::path& final) {
   const std::string prefix = hidden_prefix(final);
@@ -122,7 +131,7 @@ Result<OutputFolder> OutputFolder::create(const fs::path& path, const MayReplace
   std::error_code error;
   for (int attempt = 0; attempt < 1000; ++attempt) {
     fs::path temporary =
-        parent / fmt::format("{}{}-{}", hidden_prefix(folder.final_), getpid(), attempt);
+        parent / fmt::format("{}{}-{}", hidden_prefix(folder.final_), getpid(), next_number());
     if (fs::create_directory(temporary, error)) {
       // Another program may take it for abandoned before it is locked, and remove it.
       folder.lock_ = lock_folder(temporary, 0);
@@ -180,7 +189,8 @@ Result<void> OutputFolder::put_in_place_of_another() {
                                            final_.string()));
   }
   const fs::path aside =
-      final_.parent_path() / fmt::format(".{}.replaced-{}", final_.filename().string(), getpid());
+      final_.parent_path() /
+      fmt::format(".{}.replaced-{}-{}", final_.filename().string(), getpid(), next_number());
   Result<void> done;
   const auto swap = [&] {
     return renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, final_.c_str(), RENAME_EXCHANGE) == 0;

@@ -21,14 +21,14 @@ class ScratchFolder {
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 
-  /// The folder, which is made when it is first asked for, where the system keeps temporary files.
+  /// The folder, which is made when it is first asked for, in $TMPDIR or /tmp.
   /// Errors: `io`; the message is the folder's path and `failure`.
   Result<std::filesystem::path> path(std::string_view failure) {
     if (!path_.empty()) return path_;
-    std::error_code error;
-    std::string name = (std::filesystem::temp_directory_path(error) / "pointreel-XXXXXX").string();
-    if (error || ::mkdtemp(name.data()) == nullptr)
-      return fail(ErrorCode::io, name.append(failure));
+    const char* given = std::getenv("TMPDIR");
+    const std::filesystem::path folder = given == nullptr || *given == '\0' ? "/tmp" : given;
+    std::string name = (folder / "pointreel-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) return fail(ErrorCode::io, name.append(failure));
     return path_ = name;
   }
 

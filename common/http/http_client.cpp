@@ -318,7 +318,6 @@ class HttpClient::Loop : HttpTransfer::Listener {
     const bool passing = failure->kind == HttpFailure::Kind::passing;
     const bool again = passing ? batch.attempts == 0 || job.attempts < batch.attempts
                                : failure->kind == HttpFailure::Kind::doubtful && !job.doubted;
-    const Error& error = failure->error;
     if (!again) {
       const std::lock_guard lock(mutex_);
       if (!batch.error)
@@ -331,8 +330,8 @@ class HttpClient::Loop : HttpTransfer::Listener {
     newest_failure_ = Clock::now();
     job.not_before = newest_failure_ + jittered(job.pause.wait(), random_);
     job.pause.failed();
-    job.trouble =
-        fmt::format("{}: {}; trying again", host_of(job.transfer.wanted().url), error.message);
+    job.trouble = fmt::format("{}: {}; trying again", host_of(job.transfer.wanted().url),
+                              with_advice(*failure));
     return false;
   }
 

@@ -112,7 +112,8 @@ HttpFailure failure_of_transfer(int code, std::string_view url, const HttpOption
     case CURLE_PARTIAL_FILE:
     case CURLE_RECV_ERROR:
     case CURLE_SEND_ERROR:
-      return because(fmt::format("the connection broke after {}", counted(came, "byte")));
+      return because(fmt::format("the connection broke after {}", counted(came, "byte")),
+                     came == 0 ? if_it_uses_tls : "");
     case CURLE_PEER_FAILED_VERIFICATION: {
       auto [what, advice] = untrusted(said);
       return because(std::move(what), std::move(advice));
@@ -134,9 +135,13 @@ HttpFailure failure_of_transfer(int code, std::string_view url, const HttpOption
   }
 }
 
+std::string with_advice(const HttpFailure& failure) {
+  const std::string& what = failure.error.message;
+  return failure.advice.empty() ? what : what + "; " + failure.advice;
+}
+
 Error failure_line(const std::string& url, const HttpFailure& failure, int attempts) {
-  return {fmt::format("{}: {}{}{}{}", without_secrets(url), failure.error.message,
-                      failure.advice.empty() ? "" : "; ", failure.advice,
+  return {fmt::format("{}: {}{}", without_secrets(url), with_advice(failure),
                       attempts > 1 ? fmt::format(" ({} attempts)", attempts) : ""),
           failure.error.code};
 }

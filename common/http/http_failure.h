@@ -35,8 +35,11 @@ HttpFailure failure_of_store_redirect(long status, std::string_view answer);
 HttpFailure failure_of_transfer(int code, std::string_view url, const HttpOptions& options,
                                 std::uint64_t came, std::string_view said);
 
-/// The one line in which a failure is reported: the address, what is wrong, and what to do.
-/// `attempts`: how many were made.
+/// What is wrong, and what to do.
+std::string with_advice(const HttpFailure& failure);
+
+/// The one line in which a failure is reported: the address, and that. `attempts`: how many were
+/// made.
 Error failure_line(const std::string& url, const HttpFailure& failure, int attempts);
 
 }  // namespace pointreel

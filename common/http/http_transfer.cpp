@@ -76,6 +76,12 @@ HttpTransfer::~HttpTransfer() {
 
 long HttpTransfer::status() const { return status_of(handle_); }
 
+bool HttpTransfer::has_length() const {
+  curl_off_t length = -1;
+  curl_easy_getinfo(handle_, CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &length);
+  return length >= 0;
+}
+
 CURL* HttpTransfer::begin(bool new_connection, std::chrono::seconds max_idle) {
   if (handle_ == nullptr) return nullptr;
   content_range_.clear();
@@ -261,10 +267,14 @@ std::optional<HttpFailure> HttpTransfer::finish(int code) {
   if (wanted_.is_range() && !wanted_.is_whole_file() && answered == 200)
     return {
         {Kind::final, {"the server sends whole files instead of ranges", ErrorCode::unsupported}}};
+  // Of a file that comes whole, and whose length was announced, the server has no other bytes.
+  const bool is_whole = wanted_.is_range() && answered == 200 && has_length();
   if (too_long_)
-    return http_failure(Kind::doubtful,
-                        fmt::format("the server sends more than the {} bytes expected",
-                                    wanted_.is_range() ? asked_for_ : wanted_.limit));
+    return http_failure(
+        is_whole ? Kind::final : Kind::doubtful,
+        fmt::format("the server sends more than the {} bytes expected{}",
+                    wanted_.is_range() ? asked_for_ : wanted_.limit,
+                    is_whole ? " (the file is longer than its manifest says)" : ""));
   if (compressions_ > 1)
     return http_failure(Kind::final, "the server compresses the answer more than once");
   if (wrong_range_ || (code == CURLE_OK && answered == 206 && !is_range_asked_for()))
@@ -283,8 +293,10 @@ std::optional<HttpFailure> HttpTransfer::finish(int code) {
     return http_failure(Kind::doubtful, fmt::format("the server answers {} where {} is expected",
                                                     answered, wanted_.is_range() ? 206 : 200));
   if (wanted_.is_range() && body_.size() != wanted_.size)
-    return http_failure(Kind::passing, fmt::format("{} came instead of {}",
-                                                   counted(body_.size(), "byte"), wanted_.size));
+    return http_failure(
+        is_whole ? Kind::final : Kind::passing,
+        fmt::format("{} came instead of {}{}", counted(body_.size(), "byte"), wanted_.size,
+                    is_whole ? " (the file is shorter than its manifest says)" : ""));
   return std::nullopt;
 }
 

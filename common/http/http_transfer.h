@@ -93,6 +93,8 @@ class HttpTransfer {
   bool is_range_asked_for() const;
   bool may_follow(std::string_view location);
   long status() const;
+  /// Whether the answer says how long its body is.
+  bool has_length() const;
 
   const HttpWanted wanted_;
   const HttpOptions& options_;

@@ -9,19 +9,20 @@
 namespace pointreel {
 namespace {
 
-std::string advice_for(std::string_view said) {
+std::string advice_for(std::string_view said, std::string_view ca_option) {
   const auto has = [said](std::string_view part) { return said.find(part) != said.npos; };
   if (has("expired") || has("not yet valid")) return "renew it, or set the clock right";
   if (has("host name") || has("hostname") || has("IP address") || has("subject name")) {
     return "use a name that it was made for";
   }
-  return "give its authority with --ca-file";
+  return fmt::format("give its authority with {}", ca_option);
 }
 
 }  // namespace
 
-Untrusted untrusted(std::string_view said) {
-  return {fmt::format("the server's certificate is not trusted ({})", said), advice_for(said)};
+Untrusted untrusted(std::string_view said, std::string_view ca_option) {
+  return {fmt::format("the server's certificate is not trusted ({})", said),
+          advice_for(said, ca_option)};
 }
 
 std::string fault_of_certificates(const std::string& file) {

@@ -11,8 +11,8 @@ struct Untrusted {
   std::string advice;  ///< what to do
 };
 
-/// `said`: why, in the words of OpenSSL or libcurl.
-Untrusted untrusted(std::string_view said);
+/// `said`: why, in the words of OpenSSL or libcurl. `ca_option`: which names certificates to trust.
+Untrusted untrusted(std::string_view said, std::string_view ca_option = "--ca-file");
 
 /// What is wrong with a file of certificates from which none could be taken.
 std::string fault_of_certificates(const std::string& file);

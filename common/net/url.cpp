@@ -19,7 +19,7 @@ std::string_view scheme_of(std::string_view text) {
 
 Result<Url> parse_url(const std::string& text) {
   const auto refused = [&](const char* why) {
-    return fail(ErrorCode::argument, text + ": " + why);
+    return fail(ErrorCode::argument, without_secrets(text) + ": " + why);
   };
   const std::string_view scheme = scheme_of(text);
   if (scheme.empty()) return refused("is not an address such as https://HOST/NAME");
@@ -60,6 +60,7 @@ Result<Url> parse_url(const std::string& text) {
 }
 
 std::string without_secrets(const std::string& url) {
+  if (scheme_of(url).empty()) return url;
   std::string shown = url.substr(0, url.find_first_of("?#"));
   if (url.find('?') != std::string::npos) shown += "?...";
   const std::size_t begin = shown.find("://");

@@ -34,7 +34,7 @@ Result<Url> parse_url(const std::string& text);
 Result<void> check_token(std::string_view token);
 
 /// An address as it may be printed: without what its query says, which may be a signature, and
-/// without its user.
+/// without its user. What is no address, such as the path of a file, stays as it is.
 std::string without_secrets(const std::string& url);
 
 }  // namespace pointreel

@@ -27,6 +27,7 @@
 #include "common/net/http_status.h"
 #include "common/net/lookup.h"
 #include "common/net/untrusted.h"
+#include "common/net/url.h"
 
 namespace pointreel {
 namespace {
@@ -99,7 +100,7 @@ class Connection : public WebSocket {
       error = run_until(
           deadline, [&](const auto& done) { transport().handshake(url.host, Completion(done)); });
       if (const std::string said = transport().distrust(); error && !said.empty()) {
-        const auto [what, advice] = untrusted(said);
+        const auto [what, advice] = untrusted(said, options_.option_prefix + "ca-file");
         return failed(what + "; " + advice);
       }
       if (error.category() == asio::error::get_ssl_category())
@@ -122,12 +123,13 @@ class Connection : public WebSocket {
       const long status = response.result_int();
       return fail(code_of_status(status),
                   fmt::format("{}: answers {}{}", place_, status,
-                              status == 401 ? ": it requires a valid token; give it with --token"
+                              status == 401 ? ": it requires a valid token; give it with " +
+                                                  options_.option_prefix + "token"
                                             : excuse(response.body())));
     }
     using HttpError = beast::http::error;
     if (error == HttpError::bad_version || error == HttpError::partial_message ||
-        error == HttpError::end_of_stream)
+        error == HttpError::end_of_stream || error == asio::error::connection_reset)
       return failed(std::string("there is no HTTP answer") +
                     (url.tls() ? "" : "; if the server uses TLS, use wss://"));
     if (error) return failed(error.message());
@@ -405,9 +407,11 @@ Result<asio::ssl::context> client_context(const WebSocketOptions& options) {
 Result<Url> parse_websocket_url(const std::string& text) {
   Url url = TRY(parse_url(text));
   if (!url.is_websocket())
-    return fail(ErrorCode::argument, text + ": does not begin with ws:// or wss://");
+    return fail(ErrorCode::argument,
+                without_secrets(text) + ": does not begin with ws:// or wss://");
   if (!url.user.empty())
-    return fail(ErrorCode::argument, text + ": names a user; give a token instead");
+    return fail(ErrorCode::argument,
+                without_secrets(text) + ": names a user; give a token instead");
   return url;
 }
 

@@ -21,7 +21,8 @@ namespace pointreel {
 Result<Url> parse_websocket_url(const std::string& url);
 
 struct WebSocketOptions {
-  std::string token;    ///< sent as `Authorization: Bearer` unless empty
+  std::string token;                 ///< sent as `Authorization: Bearer` unless empty
+  std::string option_prefix = "--";  ///< errors name the options with it: "--relay-" of relays
   std::string ca_file;  ///< wss: a PEM file of certificates to trust instead of the system's
   std::chrono::milliseconds connect_timeout{5'000};  ///< for everything up to the upgrade
   /// The connection counts as lost if the peer sends nothing for this long, not even the answer to

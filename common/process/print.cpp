@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "common/base/characters.h"
+#include "common/base/hide_secrets.h"
 
 namespace pointreel {
 namespace {
@@ -46,7 +47,7 @@ bool print_lines(std::string_view text) {
 }
 
 void print_error(std::string_view program, std::string_view message) {
-  const std::string line = fmt::format("{}: {}\n", program, visible(message));
+  const std::string line = fmt::format("{}: {}\n", program, visible(hide_secrets(message)));
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 

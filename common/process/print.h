@@ -52,7 +52,8 @@ void print(fmt::format_string<Visible<T>...> format, const T&... arguments) {
 /// written.
 bool print_lines(std::string_view text);
 
-/// Prints "PROGRAM: message" as one line on standard error.
+/// Prints "PROGRAM: message" as one line on standard error, without secrets of addresses
+/// (hide_secrets).
 void print_error(std::string_view program, std::string_view message);
 
 /// JSON on standard output, in ASCII: its own escapes stand for everything else. Bytes that are not

@@ -13,7 +13,7 @@ namespace pointreel {
 
 struct PageFile;
 
-/// Exit codes of every subcommand.
+/// The exit status of every subcommand.
 inline constexpr int kExitOk = 0, kExitFailed = 1, kExitUsage = 2;
 
 /// Each adds subcommands to the program. When one of them has run, `exit_code` holds its result.

@@ -11,7 +11,7 @@
 #include "common/command_line/command.h"
 #include "common/process/stop_signal.h"
 #include "server/commands/commands.h"
-#include "server/commands/store_options.h"
+#include "server/commands/package_access.h"
 #include "server/edit/cut_package.h"
 #include "server/edit/join_packages.h"
 #include "server/pack/frame_numbers.h"
@@ -27,7 +27,7 @@ struct CutArguments {
   std::string reel, frames;
   std::optional<double> from, until, to;  ///< `to`: an earlier name of `until`
   CutOptions options;
-  HttpOptions http = patient_http_options();
+  PackageAccess access;
 };
 
 int run_cut(CutArguments arguments) {
@@ -57,8 +57,7 @@ int run_cut(CutArguments arguments) {
     return kExitUsage;
   }
   const StopSignal stop;
-  arguments.http.stop = stop.token();
-  const Result<PackageFiles> files = PackageFiles::at(arguments.reel, arguments.http);
+  const Result<PackageFiles> files = arguments.access.open(arguments.reel, stop.token());
   if (!files) return failed_to_open(files.error());
   options.input = *files;
   const Result<CutReport> cut = cut_package(options, stop.token());
@@ -73,15 +72,14 @@ int run_cut(CutArguments arguments) {
 struct JoinArguments {
   std::vector<std::string> reels;
   JoinOptions options;
-  HttpOptions http = patient_http_options();
+  PackageAccess access;
 };
 
 int run_join_packages(JoinArguments arguments) {
   JoinOptions& options = arguments.options;
   const StopSignal stop;
-  arguments.http.stop = stop.token();
   for (const std::string& reel : arguments.reels) {
-    Result<PackageFiles> files = PackageFiles::at(reel, arguments.http);
+    Result<PackageFiles> files = arguments.access.open(reel, stop.token());
     if (!files) return failed_to_open(files.error());
     options.inputs.push_back(std::move(*files));
   }
@@ -136,7 +134,7 @@ void add_cut_command(cli::Command app, int& exit_code) {
       .excludes(from)
       .excludes(until)
       .excludes(to);
-  add_store_options(command, a->http);
+  a->access.add_to(command);
   command.callback([a, &exit_code] { exit_code = run_cut(*a); });
 }
 
@@ -156,7 +154,7 @@ void add_join_command(cli::Command app, int& exit_code) {
       .required()
       .type_name("");
   add_output_folder(command, "-o,--output", a->options.output, a->options.force);
-  add_store_options(command, a->http);
+  a->access.add_to(command);
   command.callback([a, &exit_code] { exit_code = run_join_packages(*a); });
 }
 

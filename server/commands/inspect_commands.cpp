@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
 
@@ -15,17 +16,19 @@
 #include "codec/cloud_options/cloud_options.h"
 #include "codec/core/write_json.h"
 #include "codec/package/manifest.h"
+#include "codec/segments/cleaning.h"
+#include "codec/segments/coding_error.h"
 #include "common/base/words.h"
 #include "common/command_line/command.h"
+#include "common/net/url.h"
 #include "common/process/print.h"
 #include "common/process/progress.h"
 #include "common/process/stop_signal.h"
+#include "server/commands/bit_rates.h"
 #include "server/commands/commands.h"
+#include "server/commands/package_access.h"
 #include "server/commands/sequence_arguments.h"
-#include "server/commands/store_options.h"
 #include "server/inspect/inspect.h"
-#include "server/pack/cleaning.h"
-#include "server/pack/coding_error.h"
 #include "server/pack/frame_numbers.h"
 
 namespace pointreel {
@@ -59,6 +62,12 @@ Totals totals_of(const Manifest& manifest) {
   if (manifest.tables) totals.bytes += manifest.tables->bytes;
   if (manifest.segments.empty()) totals.fewest = 0;
   return totals;
+}
+
+BitRates rates_of(const Manifest& manifest, const Totals& totals) {
+  const auto& layers = totals.layer_bytes;
+  return bit_rates(std::accumulate(layers.begin(), layers.end(), std::uint64_t{0}),
+                   manifest.audio ? manifest.audio->bytes : 0, manifest.duration_us);
 }
 
 double audio_seconds(const AudioFile& audio) {
@@ -104,6 +113,7 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
                                              manifest.coding_error ? peak_of(manifest) : 0.0)},
           {"cleaning", cleaning_json(manifest.cleaning.value_or(Cleaning{}))},
           {"bytes", totals.bytes},
+          {"bits_per_second", bit_rates_json(rates_of(manifest, totals))},
           {"layers", layers},
           {"tables", tables},
           {"audio", audio}};
@@ -140,7 +150,9 @@ void print_info(const Manifest& manifest, const Totals& totals) {
         manifest.entropy, span_text(manifest.depth_min, manifest.depth_max));
   print("  points  {} ({} per frame), colors {}, normals {}\n", totals.points,
         span_text(totals.fewest, totals.most), manifest.colors ? "yes" : "no",
-        manifest.normals ? "yes" : "no");
+        !manifest.normals            ? "no"
+        : manifest.normals_estimated ? "estimated"
+                                     : "yes");
   for (const ScalarRange& range : manifest.scalars) {
     print("  scalar  {}, {} to {}{}\n", range.name, number_text(range.least),
           number_text(range.most), range.labels ? ", labels" : "");
@@ -156,7 +168,7 @@ void print_info(const Manifest& manifest, const Totals& totals) {
     print("  compared {}\n", coding_error_text(*manifest.coding_error, peak_of(manifest)));
   if (manifest.cleaning) print("  cleaned {}\n", cleaning_text(*manifest.cleaning));
   print("  bytes   {}", totals.bytes);
-  if (seconds > 0.0) print(", {:.2f} Mbit/s", static_cast<double>(totals.bytes) * 8e-6 / seconds);
+  if (seconds > 0.0) print(", {}", bit_rates_text(rates_of(manifest, totals)));
   print("\n");
   for (std::size_t i = 0; i < manifest.layer_names.size(); ++i) {
     print("    {:8} {}\n", manifest.layer_names[i], totals.layer_bytes[i]);
@@ -167,8 +179,8 @@ void print_info(const Manifest& manifest, const Totals& totals) {
         number_text(audio_seconds(*manifest.audio)));
 }
 
-int run_info(const std::string& reel, bool json, const HttpOptions& options) {
-  const Result<PackageFiles> files = PackageFiles::at(reel, options);
+int run_info(const std::string& reel, bool json, const PackageAccess& access) {
+  const Result<PackageFiles> files = access.open(reel);
   if (!files) return failed_to_open(files.error());
   const Result<Manifest> manifest = files->manifest();
   if (!manifest) return failed_to_open(manifest.error());
@@ -217,10 +229,10 @@ ordered_json verify_json(const VerifyReport& report) {
           {"faults", faults}};
 }
 
-int run_verify(const std::string& reel, bool json, std::uint64_t max_memory, HttpOptions options) {
+int run_verify(const std::string& reel, bool json, std::uint64_t max_memory,
+               const PackageAccess& access) {
   const StopSignal stop;
-  options.stop = stop.token();
-  const Result<PackageFiles> files = PackageFiles::at(reel, options);
+  const Result<PackageFiles> files = access.open(reel, stop.token());
   if (!files) return failed_to_open(files.error());
   if (const Result<Manifest> manifest = files->manifest(); !manifest) {
     return failed_to_open(manifest.error());
@@ -236,11 +248,11 @@ int run_verify(const std::string& reel, bool json, std::uint64_t max_memory, Htt
   if (json) {
     print_json(verify_json(*report));
   } else if (report->faults.empty()) {
-    print("{}: good, {} in {}, {}\n", reel, counted(report->frames, "frame"),
+    print("{}: OK, {} in {}, {}\n", files->shown(), counted(report->frames, "frame"),
           counted(report->files, "file"), counted(report->bytes, "byte"));
   } else {
     for (const Fault& fault : report->faults) print("{}\n", fault_line(fault));
-    print("{}: {}\n", reel, counted(report->faults.size(), "fault"));
+    print("{}: {}\n", files->shown(), counted(report->faults.size(), "fault"));
   }
   return report->faults.empty() ? kExitOk : kExitFailed;
 }
@@ -259,7 +271,7 @@ std::string describe_lost(const std::vector<LostValues>& lost) {
 }
 
 int run_unpack(UnpackOptions options, const std::string& frames, const std::string& input,
-               HttpOptions http) {
+               const PackageAccess& access) {
   if (!frames.empty()) {
     const auto range = parse_frame_numbers(frames);
     if (!range) {
@@ -270,8 +282,7 @@ int run_unpack(UnpackOptions options, const std::string& frames, const std::stri
     options.last_frame = range->second;
   }
   const StopSignal stop;
-  http.stop = stop.token();
-  const Result<PackageFiles> files = PackageFiles::at(input, http);
+  const Result<PackageFiles> files = access.open(input, stop.token());
   if (!files) return failed_to_open(files.error());
   options.input = *files;
   const Result<Manifest> manifest = files->manifest();
@@ -321,7 +332,7 @@ std::optional<PointsFormat> points_format_of(const std::string& word) {
 void add_unpack_command(cli::Command app, int& exit_code) {
   struct Arguments {
     std::string input, output, frames;
-    HttpOptions http = patient_http_options();
+    PackageAccess access;
     std::uint64_t frame_memory = 0;
     std::uint32_t layers = 0;
     bool force = false;
@@ -351,7 +362,7 @@ void add_unpack_command(cli::Command app, int& exit_code) {
                   "decode only frames A to B, including both, or only frame A, numbered from 0")
       .type_name("A-B");
   add_frame_memory_option(unpack, a->frame_memory);
-  add_store_options(unpack, a->http);
+  a->access.add_to(unpack);
   unpack.add_flag("--voxels", a->voxels,
                   "of video: write the voxels that the surface crosses, instead of its points");
   const cli::Option mesh = unpack.add_flag(
@@ -409,7 +420,7 @@ void add_unpack_command(cli::Command app, int& exit_code) {
                                 .options = {.cell = a->cell, .triangles = a->triangles},
                                 .animation = a->animation};
     }
-    exit_code = run_unpack(options, a->frames, a->input, a->http);
+    exit_code = run_unpack(options, a->frames, a->input, a->access);
   });
 }
 
@@ -420,7 +431,7 @@ void add_inspect_commands(cli::Command app, int& exit_code) {
     std::string reel;
     bool json = false;
     std::uint64_t frame_memory = 0;
-    HttpOptions http = patient_http_options();
+    PackageAccess access;
   };
   const auto add = [&](const char* name, const char* what, const std::shared_ptr<Arguments>& a) {
     const cli::Command command = app.add_subcommand(name, what);
@@ -429,19 +440,19 @@ void add_inspect_commands(cli::Command app, int& exit_code) {
                     "the folder of the package, or its address: http://, https:// or s3://")
         .required()
         .type_name("REEL");
-    add_store_options(command, a->http);
+    a->access.add_to(command);
     command.add_flag("--json", a->json, "print JSON");
     return command;
   };
   const auto a = std::make_shared<Arguments>();
   add("info", "Show what a package contains", a).callback([a, &exit_code] {
-    exit_code = run_info(a->reel, a->json, a->http);
+    exit_code = run_info(a->reel, a->json, a->access);
   });
   const cli::Command verify =
       add("verify", "Check every file of a package and decode every frame", a);
   add_frame_memory_option(verify, a->frame_memory);
   verify.callback([a, &exit_code] {
-    exit_code = run_verify(a->reel, a->json, a->frame_memory << 20, a->http);
+    exit_code = run_verify(a->reel, a->json, a->frame_memory << 20, a->access);
   });
   add_unpack_command(app, exit_code);
 }

@@ -1,38 +1,15 @@
 #include "server/commands/pack_arguments.h"
 
-#include <charconv>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "codec/cloud_options/cloud_options.h"
+#include "codec/rate/bitrate.h"
 #include "codec/video/video_group.h"
 #include "common/base/try.h"
 
 namespace pointreel {
-namespace {
-
-/// "20M", "800k", "1.5G" or a plain number of bits per second.
-Result<double> parse_bitrate(const std::string& text) {
-  double rate = 0.0;
-  const char* end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data(), end, rate);
-  double unit = 1.0;
-  if (parsed.ec == std::errc() && end - parsed.ptr == 1) {
-    unit = *parsed.ptr == 'k' ? 1e3 : *parsed.ptr == 'M' ? 1e6 : *parsed.ptr == 'G' ? 1e9 : 0.0;
-  } else if (parsed.ec != std::errc() || parsed.ptr != end) {
-    unit = 0.0;
-  }
-  rate *= unit;
-  if (!(rate >= 1.0 && rate <= 1e15)) {
-    return fail(ErrorCode::argument,
-                text + " is not a number of bits per second such as 20M, 800k or 1500000");
-  }
-  return rate;
-}
-
-}  // namespace
-
 void PackArguments::add_to(cli::Command command) {
   command_ = command;
   input_ = command
@@ -50,8 +27,7 @@ void PackArguments::add_to(cli::Command command) {
                 .type_name("REEL");
   paths_ = command
                .add_option("PATHS", given_paths_,
-                           "what --input takes, and last, without --output, the folder of the "
-                           "package")
+                           "the input, and then the package folder unless --output names it")
                .type_name("");
   add_topic_option(command, options_.topic);
   add_reading_options(command, options_.reading);
@@ -74,17 +50,18 @@ void PackArguments::add_to(cli::Command command) {
                .capture_default_str()
                .group("Video");
   effort_ = command
-                .add_option_function<int>(
-                    "--effort", [this](int effort) { video_.preset = 12 - effort; },
-                    "time against size of video: 0 is the fastest, 9 the smallest")
-                .check(cli::range(0, 9))
-                .default_str(fmt::format("{}", 12 - video_.preset))
+                .add_option("--effort", video_.effort,
+                            "time against size of video: 0 is the fastest, 9 the smallest")
+                .check(cli::range(0, kMostVideoEffort))
+                .capture_default_str()
                 .group("Video");
-  segment_ = command
-                 .add_option("--segment", options_.segment_frames,
-                             "frames in a segment; they share a cube and a file")
-                 .check(cli::range(1, 100'000))
-                 .capture_default_str();
+  segment_ =
+      command
+          .add_option("--segment", options_.segment_frames,
+                      fmt::format("frames in a segment; they share a cube and a file (default: {}; "
+                                  "of video, {})",
+                                  options_.segment_frames, video_.segment_frames))
+          .check(cli::range(1, kMostSegmentFrames));
   audio_ =
       command
           .add_option("--audio", options_.audio,
@@ -101,7 +78,7 @@ void PackArguments::add_to(cli::Command command) {
                    "before for their time, so that sound does not run ahead");
   command.add_flag("--best-effort", options_.best_effort,
                    "warn instead of failing: leave out stray points and damaged parts of "
-                   "recordings, show a frame near by in place of one that cannot be read, and "
+                   "recordings, show a nearby frame instead of one that cannot be read, and "
                    "pack what lies too far apart for the cube that it shares, or exceeds the bit "
                    "rate at its coarsest");
   force_ = command.add_flag("--force", options_.force, "replace a package that is already there");

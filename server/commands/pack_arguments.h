@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "codec/segments/pack_options.h"
 #include "common/command_line/command.h"
 #include "pointreel/error.h"
 #include "server/commands/sequence_arguments.h"
-#include "server/pack/pack_options.h"
 
 namespace pointreel {
 

@@ -10,19 +10,20 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "codec/segments/cleaning.h"
+#include "codec/segments/coding_error.h"
 #include "common/base/words.h"
 #include "common/file_system/scratch_folder.h"
 #include "common/file_system/write_file.h"
 #include "common/process/print.h"
 #include "common/process/stop_signal.h"
+#include "server/commands/bit_rates.h"
 #include "server/commands/commands.h"
 #include "server/commands/pack_arguments.h"
 #include "server/commands/pack_progress.h"
 #include "server/commands/parts_commands.h"
 #include "server/commands/report_upload.h"
 #include "server/commands/store_options.h"
-#include "server/pack/cleaning.h"
-#include "server/pack/coding_error.h"
 #include "server/pack/packer.h"
 #include "server/store/upload.h"
 
@@ -41,6 +42,11 @@ struct PackCommand {
 double bits_per_point(std::uint64_t bytes, const PackSummary& summary) {
   if (summary.points == 0) return 0.0;
   return 8.0 * static_cast<double>(bytes) / static_cast<double>(summary.points);
+}
+
+BitRates rates_of(const PackSummary& summary) {
+  return bit_rates(summary.segment_bytes, summary.audio ? summary.audio->file.bytes : 0,
+                   summary.duration_us);
 }
 
 ordered_json to_json(const SegmentSummary& segment) {
@@ -63,6 +69,15 @@ ordered_json to_json(const SegmentSummary& segment) {
   return json;
 }
 
+ordered_json to_json(const EncodedAudio& audio) {
+  ordered_json source;
+  if (audio.source_us) source = 1e-6 * static_cast<double>(*audio.source_us);
+  return {{"duration_s", static_cast<double>(audio.file.samples) / kAudioRate},
+          {"bytes", audio.file.bytes},
+          {"source_s", source},
+          {"cut_off", audio.cut_off}};
+}
+
 ordered_json to_json(const PackSummary& summary) {
   ordered_json bits;
   if (summary.parts) {
@@ -76,6 +91,8 @@ ordered_json to_json(const PackSummary& summary) {
                        {"points", summary.points},
                        {"coded_points", summary.coded_points},
                        {"bytes", summary.bytes},
+                       {"duration_s", 1e-6 * static_cast<double>(summary.duration_us)},
+                       {"bits_per_second", bit_rates_json(rates_of(summary))},
                        {"bits_per_point", std::move(bits)},
                        {"encode_ms",
                         {{"median", summary.encode_ms.median},
@@ -83,6 +100,8 @@ ordered_json to_json(const PackSummary& summary) {
                          {"max", summary.encode_ms.max}}},
                        {"depth", {{"min", summary.depth_min}, {"max", summary.depth_max}}},
                        {"codec", summary.codec}};
+  json["audio"] = nullptr;
+  if (summary.audio) json["audio"] = to_json(*summary.audio);
   json["entropy"] = nullptr;
   if (!summary.entropy.empty()) json["entropy"] = summary.entropy;
   json["tables"] = nullptr;
@@ -91,6 +110,7 @@ ordered_json to_json(const PackSummary& summary) {
                       {"bytes", summary.learnt->bytes},
                       {"saved_bytes", std::llround(summary.learnt->saved_bytes)}};
   }
+  json["normals_estimated"] = summary.normals_estimated;
   json["codec_trial"] = trial_json(summary.trial);
   json["cleaning"] = cleaning_json(summary.cleaning);
   json["recorded_fps"] = nullptr;
@@ -116,14 +136,6 @@ std::string name_in(std::string address) {
   return address.substr(address.rfind('/') + 1);
 }
 
-/// Bits per second, of all frames.
-double mean_rate(const PackSummary& summary) {
-  double sum = 0.0;
-  for (const SegmentSummary& segment : summary.segments)
-    sum += segment.bits_per_second * segment.frames;
-  return summary.frames > 0 ? sum / summary.frames : 0.0;
-}
-
 /// What the bit rate allowed for a segment.
 void print_segment(const SegmentSummary& segment) {
   std::string quality;
@@ -141,10 +153,12 @@ void print_segment(const SegmentSummary& segment) {
         quality);
 }
 
-void print_summary(const PackOptions& options, const PackSummary& summary) {
-  print("{}: {}, {}, {}, {:.1f} s\n", options.output.string(), counted(summary.frames, "frame"),
+/// `package`: where it is.
+void print_summary(const std::string& package, const PackOptions& options,
+                   const PackSummary& summary) {
+  print("{}: {}, {}, {}, {:.1f} s\n", package, counted(summary.frames, "frame"),
         counted(summary.points, "point"), counted(summary.bytes, "byte"), summary.seconds);
-  print("  bit rate        {:.3g} Mbit/s\n", 1e-6 * mean_rate(summary));
+  print("  bit rate        {}\n", bit_rates_text(rates_of(summary)));
   print("  bits per point  {:.2f}", bits_per_point(summary.segment_bytes, summary));
   if (summary.parts) {
     print(" (geometry {:.2f}, colors {:.2f}, normals {:.2f})",
@@ -154,25 +168,31 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
   }
   if (summary.scalar_bytes > 0)
     print(", scalar fields {:.2f}", bits_per_point(summary.scalar_bytes, summary));
-  print("\n  encode          {:.2f} ms per frame ({:.2f} to {:.2f})\n", summary.encode_ms.median,
+  print("\n");
+  if (summary.audio) print("  sound           {}\n", encoded_audio_text(*summary.audio));
+  print("  encode          {:.2f} ms per frame ({:.2f} to {:.2f})\n", summary.encode_ms.median,
         summary.encode_ms.min, summary.encode_ms.max);
   print("  codec           {}{}{}, depth {}\n", summary.codec, summary.entropy.empty() ? "" : " ",
         summary.entropy, span_text(summary.depth_min, summary.depth_max));
   if (summary.trial)
     for (const std::string& line : trial_lines(*summary.trial)) print("{}\n", line);
+  if (summary.normals_estimated)
+    print("  normals         estimated, since the source has none (--normals overrides)\n");
   if (!summary.video)
     print("  error           at most {}, in the source's units\n",
           number_text(summary.max_error, 4));
   if (summary.coding_error)
     print("  compared        {}\n", coding_error_text(*summary.coding_error, summary.peak));
-  if (options.clean && summary.cleaning.frames == 0 && (!options.voxel || options.resample)) {
-    print("  cleaning        none: {}\n", why_not_cleaned(*options.clean));
-  } else if (options.clean) {
+  if (summary.cleaning.frames > 0) {
     print("  cleaning        {}\n", cleaning_text(summary.cleaning));
+  } else if (!summary.not_cleaned.empty()) {
+    print("  cleaning        none: {}\n", why_not_cleaned(*options.clean, summary.not_cleaned));
   }
   if (summary.recorded_fps) {
-    print("  time            as recorded, {} frames per second by the median (--fps: evenly)\n",
-          number_text(*summary.recorded_fps, 4));
+    print(
+        "  time            as recorded, {} frames per second by the median (--fps spaces them "
+        "evenly)\n",
+        number_text(*summary.recorded_fps, 4));
   }
   for (const std::string& guess : summary.guesses) print("  read as         {}\n", guess);
   if (summary.unreadable_frames + summary.lost_parts > 0) {
@@ -202,11 +222,12 @@ void print_summary(const PackOptions& options, const PackSummary& summary) {
   }
 }
 
-int report(const PackCommand& arguments, const PackOptions& options, const PackSummary& summary,
-           const std::optional<UploadSummary>& uploaded) {
+/// `package`: where it is.
+int report(const PackCommand& arguments, const std::string& package, const PackOptions& options,
+           const PackSummary& summary, const std::optional<UploadSummary>& uploaded) {
   const std::string& to = arguments.upload.to;
   const auto print_text = [&] {
-    print_summary(options, summary);
+    print_summary(package, options, summary);
     if (uploaded) print("{}\n", upload_text(to, *uploaded));
   };
   if (arguments.json_option.count() == 0) {
@@ -233,8 +254,24 @@ int fail_with(const Error& error) {
   return error.code == ErrorCode::argument ? kExitUsage : kExitFailed;
 }
 
-/// --json takes the word that follows it, which may have been meant as a path.
-Result<void> check_json(const std::string& file) {
+/// Whether a file lies in a folder, or would.
+bool lies_in(const std::filesystem::path& file, const std::filesystem::path& folder) {
+  std::error_code ignored;
+  const auto above = std::filesystem::weakly_canonical(file, ignored).parent_path();
+  return !folder.empty() && above == std::filesystem::weakly_canonical(folder, ignored);
+}
+
+/// --json takes the word that follows it, which may have been meant as a path. It must not lie
+/// among what is read and written.
+Result<void> check_json(const std::string& file, const PackOptions& options) {
+  if (!file.empty() && file != "-") {
+    std::vector<std::filesystem::path> folders = options.inputs;
+    folders.push_back(options.output);
+    for (const std::filesystem::path& folder : folders)
+      if (lies_in(file, folder))
+        return fail(ErrorCode::argument, fmt::format("--json {}: lies in {}; name a file elsewhere",
+                                                     file, folder.string()));
+  }
   if (file.empty() || file == "-" || !std::filesystem::exists(file)) return {};
   char first = '{';
   std::ifstream(file).get(first);
@@ -245,13 +282,13 @@ Result<void> check_json(const std::string& file) {
 }
 
 int run_pack(const PackCommand& arguments) {
-  if (const auto checked = check_json(arguments.json); !checked) {
-    print_error(checked.error().message);
-    return kExitUsage;
-  }
   Result<PackOptions> options = arguments.pack.options_with_paths(arguments.upload.to.empty());
   if (!options) {
     print_error(options.error().message);
+    return kExitUsage;
+  }
+  if (const auto checked = check_json(arguments.json, *options); !checked) {
+    print_error(checked.error().message);
     return kExitUsage;
   }
   const StopSignal stop;
@@ -288,7 +325,8 @@ int run_pack(const PackCommand& arguments) {
     }
     uploaded = *sent;
   }
-  return report(arguments, *options, *summary, uploaded);
+  return report(arguments, kept ? options->output.string() : arguments.upload.to, *options,
+                *summary, uploaded);
 }
 
 }  // namespace

@@ -86,12 +86,13 @@ int run_part(const PartArguments& arguments) {
   return report->failures.empty() ? kExitOk : kExitFailed;
 }
 
-int run_join(const std::filesystem::path& output) {
-  const Result<JoinReport> report = join_parts(output);
+int run_join(const std::filesystem::path& output, bool force) {
+  const Result<JoinReport> report = join_parts(output, force);
   if (!report) return failed(report.error());
   for (const std::string& line : report->warnings) print_error("warning: " + line);
   print("{}: {}, {}, {}\n", output.string(), counted(report->frames, "frame"),
         counted(report->segments, "segment"), counted(report->bytes, "byte"));
+  if (report->audio) print("  sound           {}\n", encoded_audio_text(*report->audio));
   return kExitOk;
 }
 
@@ -158,7 +159,9 @@ void add_join(cli::Command pack, int& exit_code) {
   const cli::Command command =
       pack.add_subcommand("join", "Make the package of the parts of a plan");
   add_output(command, *output);
-  command.callback([output, &exit_code] { exit_code = run_join(*output); });
+  const auto force = std::make_shared<bool>(false);
+  command.add_flag("--force", *force, "replace a package that is already there");
+  command.callback([output, force, &exit_code] { exit_code = run_join(*output, *force); });
 }
 
 void add_submit(cli::Command pack, int& exit_code) {

@@ -15,6 +15,7 @@
 #include "common/base/words.h"
 #include "common/command_line/command.h"
 #include "common/command_line/token_option.h"
+#include "common/net/url.h"
 #include "common/process/print.h"
 #include "common/process/stop_signal.h"
 #include "server/commands/commands.h"
@@ -136,9 +137,11 @@ int run_publish(const PublishArguments& arguments) {
   }
   if (summary->sent.accepted_frames > 0) return broke_off ? kExitFailed : kExitOk;
   std::string reason = summary->trouble;
-  if (summary->frames == 0) reason = "the input gave no frame that could be encoded";
-  print_error(fmt::format("{}: nothing arrived there{}{}", arguments.to, reason.empty() ? "" : "; ",
-                          reason));
+  if (summary->frames == 0 && reason.empty())
+    reason = stop.token().stop_requested() ? "interrupted before the server answered"
+                                           : "the input gave no frame that could be encoded";
+  print_error(fmt::format("{}: nothing arrived there{}{}", without_secrets(arguments.to),
+                          reason.empty() ? "" : "; ", reason));
   return kExitFailed;
 }
 

@@ -56,10 +56,10 @@ void SequenceArguments::add_to(cli::Command command, const char* default_name,
        {"z", 'z'},
        {"-z", {'z', true}}},
       "the axis that points up, unless the format of the files tells it, as LAS, KITTI, nuScenes "
-      "and MCAP do with z; -y stands scenes whose y points down on their feet");
+      "and MCAP do with z; -y turns upright a scene whose y axis points down");
   add_placement_options(command, sequence.placement);
   command.add_option("--name", sequence.name,
-                     fmt::format("a name for people (default: that of the {})", default_name));
+                     fmt::format("a display name (default: that of the {})", default_name));
   command
       .add_option("--threads", sequence.threads, "threads that encode; 0: one for each processor")
       .check(cli::range(0, 1024))
@@ -111,14 +111,25 @@ void SequenceArguments::add_to(cli::Command command, const char* default_name,
       .check(cli::range(0, static_cast<int>(kMostCleanFrames)))
       .type_name("N")
       .capture_default_str();
-  const cli::Option normals = add_choice<bool>(
-      command, "--normals", sequence.encode.normals, {{"send", true}, {"derive", false}},
-      "send the normals of the source, or let players derive them from the points");
+  std::vector<std::pair<std::string, SentNormals>> sent{{"send", SentNormals::source},
+                                                        {"derive", SentNormals::none}};
+  if (with_video) {
+    normals = SentNormals::automatic;
+    sent.insert(sent.begin(), {"auto", SentNormals::automatic});
+    sent.insert(sent.end() - 1, {"estimate", SentNormals::estimate});
+  }
+  const cli::Option choice = add_choice<SentNormals>(
+      command, "--normals", normals, sent,
+      with_video ? "send the normals of the source; estimate those of frames without, and send "
+                   "them, too; or let players derive them from the points. auto: send, and "
+                   "estimate for octrees of frames with colours that are so dense that players "
+                   "would be slow"
+                 : "send the normals of the source, or let players derive them from the points");
   command
       .add_flag_callback(
-          "--no-normals", [this] { sequence.encode.normals = false; },
+          "--no-normals", [this] { normals = SentNormals::none; },
           "leave normals out, the same as --normals derive")
-      .excludes(normals);
+      .excludes(choice);
   command.add_flag_callback(
       "--no-colors", [this] { sequence.encode.colors = false; }, "leave colours out");
   add_octree_options(command);
@@ -260,6 +271,7 @@ bool SequenceArguments::up_of_files() const {
 bool SequenceArguments::asks_for_codec() const {
   const auto given = [](const cli::Option option) { return option.count() > 0; };
   return given(codec_) || octree.color_quality == kLosslessColorQuality ||
+         normals == SentNormals::estimate ||
          std::ranges::any_of(of_codec_ | std::views::values, given) ||
          std::ranges::any_of(of_context_, given);
 }
@@ -284,7 +296,13 @@ Result<EncodingOptions> SequenceArguments::options() const {
     return fail(ErrorCode::argument,
                 fmt::format("{} needs --entropy {}", option.name(), name(Entropy::context)));
   }
+  if (normals == SentNormals::estimate && codec != Codec::octree)
+    return fail(ErrorCode::argument, "--normals estimate needs --codec octree");
   EncodingOptions options = sequence;
+  options.encode.normals = normals != SentNormals::none;
+  if (normals == SentNormals::automatic)
+    options.missing_normals = MissingNormals::estimated_if_it_pays;
+  if (normals == SentNormals::estimate) options.missing_normals = MissingNormals::estimated;
   options.max_memory = frame_memory_ << 20;
   if (codec == Codec::draco) {
     options.encode.codec = draco;

@@ -13,12 +13,17 @@
 
 namespace pointreel {
 
+/// Which normals octrees get: those of the source, estimates where it has none and that pays, or
+/// in any case; or none.
+enum class SentNormals { automatic, source, estimate, none };
+
 /// The options that the command lines of pack and publish share. Names, ranges and descriptions
 /// stand here only; the defaults are the values that the members have before `add_to`.
 struct SequenceArguments {
   EncodingOptions sequence;  ///< all but `sequence.encode.codec`
   Codec codec = Codec::octree;
   bool with_video = false;  ///< whether --codec may be video
+  SentNormals normals = SentNormals::source;
   OctreeOptions octree;
   DracoOptions draco;
 

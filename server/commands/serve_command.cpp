@@ -14,6 +14,8 @@
 
 #include "common/base/try.h"
 #include "common/command_line/token_option.h"
+#include "common/net/server_tokens.h"
+#include "common/net/url.h"
 #include "common/process/print.h"
 #include "common/threads/run_detached.h"
 #include "server/commands/commands.h"
@@ -23,7 +25,6 @@
 #include "server/service/catalog.h"
 #include "server/service/request_target.h"
 #include "server/upstream/upstream.h"
-#include "server/upstream/upstream_tokens.h"
 
 namespace pointreel {
 namespace {
@@ -98,14 +99,18 @@ Result<HttpServerOptions> options_of(const ServeArguments& arguments) {
 Result<std::vector<std::unique_ptr<Upstream>>> follow(const ServeArguments& arguments,
                                                       const HttpServerOptions& server, Relay& relay,
                                                       Log& log) {
-  UpstreamTokens tokens;
+  ServerTokens tokens;
   if (!arguments.relay_token_file.empty())
-    tokens = TRY(at_place("--relay-token-file", UpstreamTokens::read(arguments.relay_token_file)));
+    tokens = TRY(at_place("--relay-token-file", ServerTokens::read(arguments.relay_token_file)));
   std::vector<UpstreamOptions> all;
   for (const std::string& text : arguments.relay_from) {
     UpstreamOptions options = TRY(at_place("--relay-from", parse_upstream(text)));
     const std::string* own = tokens.of(options.url);
     options.token = own != nullptr ? *own : arguments.relay_token;
+    if (options.token.empty() && !arguments.relay_token_file.empty())
+      log.write(Log::Level::kWarning, "relay",
+                {{"what", fmt::format("{}: has no line for {}", arguments.relay_token_file.string(),
+                                      without_secrets(options.url))}});
     options.ca_file = arguments.relay_ca;
     options.max_message = server.max_message;
     options.text_rate = server.publish_text_rate;
@@ -130,7 +135,9 @@ std::string announcement(const std::vector<PackageFolder>& reels, bool live,
   if (reels.size() == 1 && !live) {
     link += encode_path(reels.front().name).substr(1);
   }
-  return text + fmt::format("open {} in a browser to play\n", link);
+  const bool guarded = !options.service.view_token.empty();
+  return text + fmt::format("open {}{} in a browser to play\n", link,
+                            guarded ? "#token=TOKEN, with the view token," : "");
 }
 
 /// Reads again what may change while the server runs.

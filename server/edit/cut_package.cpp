@@ -18,8 +18,9 @@
 namespace pointreel {
 namespace {
 
-std::string seconds(std::uint64_t us) {
-  return number_text(static_cast<double>(us) * 1e-6, 9) + " s";
+/// To a millisecond.
+std::string seconds_text(std::uint64_t us) {
+  return number_text(1e-3 * std::round(1e-3 * static_cast<double>(us)), 12);
 }
 
 Result<CutRange> frames_of(const CutOptions& options, const Manifest& manifest) {
@@ -34,8 +35,8 @@ Result<CutRange> frames_of(const CutOptions& options, const Manifest& manifest) 
   }
   if (options.from_us >= manifest.duration_us && options.from_us > 0) {
     return fail(ErrorCode::argument,
-                fmt::format("is over after {}, and nothing is left from {} on",
-                            seconds(manifest.duration_us), seconds(options.from_us)));
+                fmt::format("ends at {} s, before --from {}", seconds_text(manifest.duration_us),
+                            seconds_text(options.from_us)));
   }
   return CutRange{frame_at(manifest, options.from_us), frame_at(manifest, options.to_us - 1)};
 }
@@ -100,6 +101,10 @@ Manifest keep(const Manifest& manifest, const Cut& cut) {
     // The first frame may have been shown before.
     for (std::uint64_t& time : segment.times_us) time = std::max(time, cut.begin_us) - cut.begin_us;
   }
+  const bool any_point = std::ranges::any_of(kept.segments, [](const Segment& segment) {
+    return std::ranges::any_of(segment.points, [](std::uint32_t points) { return points > 0; });
+  });
+  if (!any_point) kept.bounds = {};
   share(kept.cleaning, kept.frame_count(), manifest.frame_count());
   // It may be that of frames that are left out.
   if (kept.frame_count() != manifest.frame_count()) kept.coding_error.reset();

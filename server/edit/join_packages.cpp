@@ -10,12 +10,12 @@
 #include "codec/audio/audio_time.h"
 #include "codec/core/json_fields.h"
 #include "codec/package/package_folder.h"
+#include "codec/segments/append_manifest.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "common/file_system/output_folder.h"
 #include "server/edit/put_segment.h"
 #include "server/edit/splice_sound.h"
-#include "server/pack/append_manifest.h"
 
 namespace pointreel {
 namespace {

@@ -2,15 +2,14 @@
 
 #include <cstddef>
 #include <fstream>
-#include <system_error>
 
 #include <fmt/format.h>
 
 #include "codec/package/layer_file_name.h"
 #include "common/base/try.h"
-#include "common/base/words.h"
 #include "common/file_system/write_file.h"
 #include "server/pack/link_or_copy.h"
+#include "server/store/check_file.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;
@@ -18,14 +17,8 @@ namespace {
 
 /// Where a file is on this machine, with the size that the manifest says.
 Result<fs::path> whole_file(const PackageFiles& from, const PackageFile& file) {
-  const fs::path path = TRY(from.local(file));
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error) return fail(ErrorCode::io, fmt::format("{}: {}", from.shown(file), error.message()));
-  if (size != file.bytes) {
-    return fail(fmt::format("{}: has {}, the manifest says {}", from.shown(file),
-                            counted(size, "byte"), file.bytes));
-  }
+  fs::path path = TRY(from.local(file));
+  TRY(at_place(from.shown(file), check_size(path, file)));
   return path;
 }
 
@@ -56,7 +49,10 @@ Result<void> put_frames(const PackageFiles& from, const fs::path& folder,
     file.bytes = 0;
     for (const Chunks<std::uint32_t>& sizes : file.frames) file.bytes += total(sizes);
     Bytes bytes(file.bytes);
-    std::ifstream in(TRY(whole_file(from, whole.layers[i])), std::ios::binary);
+    const fs::path path = TRY(whole_file(from, whole.layers[i]));
+    // The new file has a checksum of its own, which must not make damaged bytes look good.
+    TRY(at_place(from.shown(whole.layers[i]), check_checksum(path, whole.layers[i])));
+    std::ifstream in(path, std::ios::binary);
     in.seekg(static_cast<std::streamoff>(byte_range(whole.layers[i], begin).offset));
     if (!in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))
       return fail(ErrorCode::io, from.shown(whole.layers[i]) + ": cannot be read");

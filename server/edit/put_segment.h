@@ -24,7 +24,8 @@ Result<void> put_segment(const PackageFiles& from, const std::filesystem::path& 
                          const std::vector<std::string>& layer_names, Segment& segment);
 
 /// The same, if `segment` has only some frames of the `whole` one in the old package, from the one
-/// with index `begin` on: their bytes are copied.
+/// with index `begin` on: their bytes are copied. Errors: also `invalid` if the old file has not
+/// the checksum that the manifest says.
 Result<void> put_frames(const PackageFiles& from, const std::filesystem::path& folder,
                         const std::vector<std::string>& layer_names, const Segment& whole,
                         std::uint32_t begin, Segment& segment);

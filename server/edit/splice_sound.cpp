@@ -207,7 +207,7 @@ class PieceReader {
     const std::int64_t at = packet.first - first() + place(piece_.begin);
     const std::int64_t heard = std::min(packet.end - packet.first, samples);
     const std::int64_t end = place(piece_.end);
-    if (is_last ? at >= end : at + samples / 2 >= end) return false;
+    if (is_last ? at >= end || sound_.end() >= end : at + samples / 2 >= end) return false;
     if (at + samples / 2 < sound_.end()) return true;
     TRY(sound_.put_silence(at + kSilences.back().samples / 2));
     TRY(sound_.put(std::move(packet), heard));

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
-#include <numeric>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -80,15 +79,9 @@ class Unpacking {
       const auto read = decoder_.read_tables(options_.input, *manifest_.tables);
       if (!read) return fail_at(options_.input.shown(*manifest_.tables), read.error());
     }
+    frames_ = TRY(frames_to_unpack());
     OutputFolder folder = TRY(OutputFolder::create(
         options_.output, options_.force ? may_replace_frames : OutputFolder::MayReplace{}));
-    const std::uint32_t frames = manifest_.frame_count();
-    if (options_.first_frame == 0 && options_.last_frame == kToTheEnd) {
-      frames_ = shown_frames(manifest_);
-    } else if (frames > 0) {
-      frames_.resize(std::min(options_.last_frame, frames - 1) - options_.first_frame + 1);
-      std::iota(frames_.begin(), frames_.end(), options_.first_frame);
-    }
     report_.frames = static_cast<std::uint32_t>(frames_.size());
     if (listener_.begin) listener_.begin(report_.frames);
     TRY(write_all(folder.path()));
@@ -117,6 +110,19 @@ class Unpacking {
                               options_.input.shown()));
     }
     return {};
+  }
+
+  Result<std::vector<std::uint32_t>> frames_to_unpack() const {
+    std::vector<std::uint32_t> frames = shown_frames(manifest_);
+    std::erase_if(frames, [&](std::uint32_t frame) {
+      return frame < options_.first_frame || frame > options_.last_frame;
+    });
+    if (!frames.empty() || manifest_.frame_count() == 0) return frames;
+    return fail(ErrorCode::argument,
+                fmt::format("{}: of frames {} none is shown: they only serve to decode others",
+                            options_.input.shown(),
+                            span_text(options_.first_frame,
+                                      std::min(options_.last_frame, manifest_.frame_count() - 1))));
   }
 
   Result<void> copy_audio(const fs::path& folder) const {

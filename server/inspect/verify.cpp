@@ -1,56 +1,30 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "codec/octree/frame_header.h"
 #include "codec/package/manifest.h"
-#include "common/base/running_checksum.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
-#include "common/file_system/open_file.h"
 #include "common/threads/without_exceptions.h"
 #include "server/inspect/inspect.h"
 #include "server/inspect/read_package.h"
 #include "server/pack/audio.h"
+#include "server/store/check_file.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;
 namespace {
 
-Result<std::uint64_t> file_checksum(const fs::path& path) {
-  RunningChecksum checksum;
-  std::ifstream in = TRY(open_stream(path));
-  Bytes block(1 << 20);
-  while (in) {
-    in.read(reinterpret_cast<char*>(block.data()), static_cast<std::streamsize>(block.size()));
-    checksum.add({block.data(), static_cast<std::size_t>(in.gcount())});
-  }
-  if (!in.eof()) return fail(ErrorCode::io, "cannot be read");
-  return checksum.value();
-}
-
-/// Checks the size and the checksum of a file.
 Result<void> check_file(const PackageFiles& files, const PackageFile& file) {
   const fs::path path = TRY(files.local(file));
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error) return fail(ErrorCode::io, error.message());
-  if (size != file.bytes) {
-    return fail(fmt::format("has {}, the manifest says {}", counted(size, "byte"), file.bytes));
-  }
-  const std::uint64_t checksum = TRY(file_checksum(path));
-  if (checksum != file.checksum) {
-    return fail(fmt::format("has the checksum {:016x}, the manifest says {:016x}", checksum,
-                            file.checksum));
-  }
-  return {};
+  TRY(check_size(path, file));
+  return check_checksum(path, file);
 }
 
 /// The layer that keeps a frame from being decoded: the last one of the shortest prefix that fails.
@@ -209,6 +183,7 @@ Result<VerifyReport> verify(const PackageFiles& files, const InspectListener& li
   return without_exceptions([&]() -> Result<VerifyReport> {
     VerifyReport report = verify_parsed(files, TRY(files.manifest()), listener, max_memory);
     if (listener.stop.stop_requested()) return fail(ErrorCode::cancelled, "interrupted");
+    if (const auto error = files.lacks_room()) return tl::unexpected(*error);
     return report;
   });
 }

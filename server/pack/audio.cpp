@@ -20,6 +20,7 @@
 #include "codec/package/manifest.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
+#include "common/file_system/descriptor.h"
 #include "common/file_system/lock_folder.h"
 #include "common/file_system/open_file.h"
 #include "common/file_system/output_folder.h"
@@ -41,22 +42,6 @@ std::vector<std::string> arguments(const fs::path& source, std::uint64_t duratio
               "-fflags", "+bitexact", "-flags:a", "+bitexact", "-f", "ogg", "pipe:1"});
   return all;
 }
-
-/// An open file, closed with its owner.
-class Descriptor {
- public:
-  explicit Descriptor(int file) : file_(file) {}
-  Descriptor(Descriptor&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
-  Descriptor& operator=(Descriptor&&) = delete;
-  ~Descriptor() { close(); }
-  int get() const { return file_; }
-  void close() {
-    if (file_ >= 0) ::close(std::exchange(file_, -1));
-  }
-
- private:
-  int file_;
-};
 
 /// What comes from a pipe until its end, no longer than a package may have sound.
 Result<Bytes> read_all(int pipe, const std::stop_token& stop) {
@@ -98,7 +83,7 @@ Result<Encoded> encode(const fs::path& source, std::uint64_t duration_us,
 }
 
 struct EncodedSound {
-  AudioFile file;
+  EncodedAudio audio;
   Bytes bytes;
 };
 
@@ -110,7 +95,10 @@ Result<EncodedSound> encode_sound(const fs::path& source, std::uint64_t duration
   if (!encoded && encoded.error().code == ErrorCode::cancelled)
     return tl::unexpected(encoded.error());
   auto [bytes, said] = TRY(at_place(source.string(), std::move(encoded)));
-  AudioFile file;
+  EncodedAudio audio;
+  audio.cut_off = end.end_us > duration_us + end.slack_us;
+  audio.source_us = end.whole_us;
+  AudioFile& file = audio.file;
   file.samples = TRY(at_place(source.string(), OpusReader::open(bytes))).samples();
   TRY(at_place(source.string(),
                end.check(file.samples * 1'000'000 / kAudioRate, duration_us, said)));
@@ -118,7 +106,7 @@ Result<EncodedSound> encode_sound(const fs::path& source, std::uint64_t duration
   file.bytes = bytes.size();
   file.checksum = checksum_of(bytes);
   file.path = fmt::format("audio.{:08x}.opus", file.checksum >> 32);
-  return EncodedSound{std::move(file), std::move(bytes)};
+  return EncodedSound{std::move(audio), std::move(bytes)};
 }
 
 /// Locks a package against programs that replace it, if it still has this manifest.
@@ -146,12 +134,20 @@ Result<void> check_audio_source(const fs::path& source) {
   return {};
 }
 
-Result<AudioFile> write_audio(const fs::path& source, const fs::path& folder,
-                              std::uint64_t duration_us, const std::stop_token& stop,
-                              const OnWarning& warn) {
+std::string encoded_audio_text(const EncodedAudio& audio) {
+  const auto seconds = [](double value) { return number_text(value, 3) + " s"; };
+  std::string text = seconds(static_cast<double>(audio.file.samples) / kAudioRate);
+  if (!audio.cut_off) return text;
+  if (audio.source_us) text += " of " + seconds(1e-6 * static_cast<double>(*audio.source_us));
+  return text + " (the rest was cut off)";
+}
+
+Result<EncodedAudio> write_audio(const fs::path& source, const fs::path& folder,
+                                 std::uint64_t duration_us, const std::stop_token& stop,
+                                 const OnWarning& warn) {
   const EncodedSound sound = TRY(encode_sound(source, duration_us, stop, warn));
-  TRY(replace_file(folder / sound.file.path, sound.bytes));
-  return sound.file;
+  TRY(replace_file(folder / sound.audio.file.path, sound.bytes));
+  return sound.audio;
 }
 
 Result<std::optional<AudioFile>> replace_audio(const fs::path& package,
@@ -166,12 +162,12 @@ Result<std::optional<AudioFile>> replace_audio(const fs::path& package,
   EncodedSound sound;
   if (source) {
     sound = TRY(encode_sound(*source, manifest.duration_us, stop, warn));
-    manifest.audio = sound.file;
+    manifest.audio = sound.audio.file;
   }
   const std::string text = write_manifest(manifest);
   TRY(at_place("the package would not be valid", parse_manifest(text)));
   const Descriptor lock = TRY(lock_package(package, old));
-  if (source) TRY(replace_file(package / sound.file.path, sound.bytes));
+  if (source) TRY(replace_file(package / sound.audio.file.path, sound.bytes));
   std::error_code error;
   const std::optional<AudioFile>& before = old.audio;
   if (const auto replaced = replace_file(package / kManifestName, text); !replaced) {

@@ -24,13 +24,23 @@ Result<void> check_audio_source(const std::filesystem::path& source);
 /// there.
 using OnWarning = std::function<void(const std::string& line)>;
 
+/// Sound that was encoded for a reel.
+struct EncodedAudio {
+  AudioFile file;
+  bool cut_off = false;                         ///< the source has more
+  std::optional<std::uint64_t> source_us = {};  ///< the length of the source, if it is known
+};
+
+/// "0.533 s of 3 s (the rest was cut off)".
+std::string encoded_audio_text(const EncodedAudio& audio);
+
 /// Encodes the first sound track of a file, as stereo, and writes it into a package's folder, under
 /// a name of its own. What lies beyond `duration_us` is left out. Errors begin with the source, or
 /// with the file that cannot be written; a source that is cut off, or so damaged that its sound
 /// would be shorter, is one.
-Result<AudioFile> write_audio(const std::filesystem::path& source,
-                              const std::filesystem::path& folder, std::uint64_t duration_us,
-                              const std::stop_token& stop = {}, const OnWarning& warn = {});
+Result<EncodedAudio> write_audio(const std::filesystem::path& source,
+                                 const std::filesystem::path& folder, std::uint64_t duration_us,
+                                 const std::stop_token& stop = {}, const OnWarning& warn = {});
 
 /// Gives a package sound, in place of the sound that it has, or takes it away if there is no
 /// source. The package is valid at any moment. Errors as above, those of read_manifest, `argument`

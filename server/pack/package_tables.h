@@ -6,9 +6,9 @@
 #include <stop_token>
 
 #include "codec/files/cloud_file.h"
+#include "codec/segments/pack_options.h"
 #include "pointreel/error.h"
 #include "pointreel/package.h"
-#include "server/pack/pack_options.h"
 #include "server/pack/packer.h"
 
 namespace pointreel {

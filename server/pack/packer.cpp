@@ -5,28 +5,33 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "codec/files/cloud_file.h"
 #include "codec/package/manifest.h"
 #include "codec/package/package_folder.h"
 #include "codec/package/segment_writer.h"
 #include "codec/package/standing.h"
+#include "codec/segments/append_manifest.h"
+#include "codec/segments/choose_cleaning.h"
+#include "codec/segments/cleaning.h"
+#include "codec/segments/coding_error.h"
+#include "codec/segments/missing_normals.h"
+#include "codec/segments/pack_segment.h"
+#include "codec/segments/segment_packer.h"
+#include "codec/segments/segment_warnings.h"
 #include "common/base/try.h"
 #include "common/file_system/output_folder.h"
 #include "common/threads/stoppable.h"
 #include "common/threads/tbb_executor.h"
 #include "pointreel/codec.h"
 #include "pointreel/package.h"
-#include "server/pack/append_manifest.h"
 #include "server/pack/audio.h"
 #include "server/pack/begin_manifest.h"
-#include "server/pack/cleaning.h"
-#include "server/pack/coding_error.h"
 #include "server/pack/in_arena.h"
-#include "server/pack/pack_segment.h"
 #include "server/pack/package_tables.h"
-#include "server/pack/segment_packer.h"
-#include "server/pack/segment_warnings.h"
 #include "server/pack/video_trial.h"
 
 namespace pointreel {
@@ -66,9 +71,10 @@ class Packer {
     if (listener_.begin) listener_.begin(static_cast<std::uint32_t>(files_.size()));
     for (const std::string& line : sequence_.warnings) warn(line);
     if (options_.audio) {
-      manifest_.audio =
+      summary_.audio =
           TRY(write_audio(*options_.audio, output_.folder, manifest_.duration_us, listener_.stop,
                           [this](const std::string& line) { warn(line); }));
+      manifest_.audio = summary_.audio->file;
     }
     if (options_.train) {
       const PackageTables tables =
@@ -101,6 +107,7 @@ class Packer {
     summary_.points += segment.points;
     summary_.unreadable_frames += segment.unreadable_frames;
     add_cleaning(summary_.cleaning, segment.cleaning);
+    for (const auto& [why, frames] : segment.not_cleaned) summary_.not_cleaned[why] += frames;
     summary_.coded_points += segment.coded_points;
     summary_.segment_bytes += added.bytes;
     summary_.scalar_bytes += segment.scalar_bytes;
@@ -121,12 +128,15 @@ class Packer {
   Result<PackSummary> finish() {
     for (const std::string& line : warnings_.rest()) warn(line);
     if (summary_.points + summary_.unreadable_frames == 0) warn("no frame has a point");
+    for (const std::string& line : unused_steps(options_, manifest_.scalars)) warn(line);
     if (options_.up_of_files && !up_of_frame(files_.front())) {
       if (const auto line = standing_warning(manifest_.bounds, manifest_.up)) warn(*line);
     }
     summary_.bytes = TRY(finish_package(output_.folder, manifest_, options_.output));
     for (const PackageFile* file : manifest_.files()) summary_.bytes += file->bytes;
+    summary_.duration_us = manifest_.duration_us;
     summary_.encode_ms = spread_of(std::move(encode_ms_));
+    summary_.normals_estimated = manifest_.normals_estimated;
     summary_.video = options_.video.has_value();
     summary_.coding_error = manifest_.coding_error;
     if (manifest_.coding_error) summary_.peak = peak_of(manifest_);
@@ -162,9 +172,11 @@ Result<PackSummary> pack(const PackOptions& options, const PackListener& listene
     PackOptions chosen = options;
     // Frames are encoded in parallel; parts of a large frame go to threads that have no frame.
     chosen.encode.executor = stoppable(tbb_executor(), listener.stop, kInterrupted);
-    const PackOptions as_octrees = chosen;
+    choose_cleaning(sequence.frames, chosen);
+    PackOptions as_octrees = chosen;
     auto trial = TRY(choose_video(sequence.frames, chosen, listener.stop));
     const bool by_trial = trial && chosen.video;
+    choose_normals(sequence.frames, chosen);
     auto packed =
         Packer(chosen, listener, sequence, folder->path(), by_trial ? &*trial : nullptr).run();
     if (!packed && by_trial && packed.error().code == ErrorCode::limit) {
@@ -174,6 +186,7 @@ Result<PackSummary> pack(const PackOptions& options, const PackListener& listene
       trial.reset();
       folder.reset();
       folder.emplace(TRY(make_folder()));
+      choose_normals(sequence.frames, as_octrees);
       packed = Packer(as_octrees, listener, sequence, folder->path()).run();
     }
     if (!packed) return packed;

@@ -2,16 +2,19 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
+#include "codec/segments/pack_options.h"
+#include "codec/segments/pack_segment.h"
 #include "common/base/median.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 #include "pointreel/error.h"
-#include "server/pack/pack_options.h"
+#include "server/pack/audio.h"
 #include "server/pack/video_trial.h"
 
 namespace pointreel {
@@ -32,23 +35,14 @@ struct LearntTables {
   double saved_bytes = 0.0;  ///< an estimate from the samples, minus the size of the tables
 };
 
-struct SegmentSummary {
-  std::uint32_t first_frame = 0, frames = 0;
-  std::uint64_t bytes = 0;       ///< of its files
-  double bits_per_second = 0.0;  ///< while it plays
-  std::uint32_t depth_min = 0, depth_max = 0;
-  EncodeOptions encode;  ///< the options of its frames, except for the depth, which is above
-  std::optional<int> video_quality = {};  ///< of video at a bit rate
-  double max_error = 0.0;                 ///< the largest geometry_error of its frames
-  bool within_rate = true;  ///< false: even the coarsest encoding exceeds the bit rate
-  int trials = 0;  ///< how often sample frames, or video, were encoded to meet the bit rate
-};
-
 struct PackSummary {
   std::uint32_t frames = 0;
-  std::uint64_t points = 0;         ///< in the sources of all frames
-  Cleaning cleaning;                ///< of no frame, if none was cleaned
-  std::uint64_t coded_points = 0;   ///< after decoding
+  std::uint64_t duration_us = 0;                    ///< of the reel
+  std::optional<EncodedAudio> audio;                ///< the sound of the reel
+  std::uint64_t points = 0;                         ///< in the sources of all frames
+  Cleaning cleaning;                                ///< of no frame, if none was cleaned
+  std::map<NotCleaned, std::uint32_t> not_cleaned;  ///< frames, where cleaning was asked for
+  std::uint64_t coded_points = 0;                   ///< after decoding
   std::uint64_t bytes = 0;          ///< of all files of the package, including reel.json
   std::uint64_t segment_bytes = 0;  ///< of the layer files
   std::uint64_t scalar_bytes = 0;   ///< of these, those of scalar fields
@@ -63,6 +57,7 @@ struct PackSummary {
   std::optional<CodingError> coding_error;
   double peak = 0.0;                    ///< peak_of, if there is a coding_error
   bool video = false;                   ///< whether frames were packed as video
+  bool normals_estimated = false;       ///< as in the manifest
   std::optional<VideoTrial> trial;      ///< that chose between video and octrees
   std::optional<double> recorded_fps;   ///< by the median spacing of the times of a recording
   std::uint64_t late_frames = 0;        ///< frames that took longer than frame_time_ms

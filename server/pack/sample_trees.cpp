@@ -9,9 +9,9 @@
 
 #include "codec/core/build.h"
 #include "codec/package/grid.h"
+#include "codec/segments/input.h"
 #include "common/base/spread.h"
 #include "common/base/try.h"
-#include "server/pack/input.h"
 
 namespace pointreel {
 namespace {

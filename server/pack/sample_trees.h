@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "codec/files/cloud_file.h"
+#include "codec/segments/pack_options.h"
 #include "pointreel/error.h"
 #include "pointreel/octree.h"
-#include "server/pack/pack_options.h"
 
 namespace pointreel {
 

@@ -8,14 +8,14 @@
 #include <nlohmann/json.hpp>
 
 #include "codec/package/coarsening.h"
+#include "codec/segments/coding_error.h"
+#include "codec/segments/input.h"
+#include "codec/segments/pack_frame.h"
+#include "codec/segments/pack_group.h"
+#include "codec/segments/pack_segment.h"
 #include "common/base/try.h"
 #include "common/file_system/output_folder.h"
 #include "pointreel/octree.h"
-#include "server/pack/coding_error.h"
-#include "server/pack/input.h"
-#include "server/pack/pack_frame.h"
-#include "server/pack/pack_group.h"
-#include "server/pack/pack_segment.h"
 
 namespace pointreel {
 namespace {

@@ -10,9 +10,9 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "codec/files/cloud_file.h"
+#include "codec/segments/pack_options.h"
 #include "pointreel/error.h"
 #include "pointreel/package.h"
-#include "server/pack/pack_options.h"
 
 namespace pointreel {
 

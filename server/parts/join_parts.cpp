@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 
 #include "codec/package/package_folder.h"
+#include "codec/segments/append_manifest.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "common/file_system/output_folder.h"
 #include "pointreel/package.h"
-#include "server/pack/append_manifest.h"
 #include "server/pack/audio.h"
 #include "server/pack/link_or_copy.h"
 #include "server/parts/plan.h"
@@ -80,20 +80,21 @@ Result<void> put(const fs::path& from, const fs::path& to, const PackageFile& fi
 
 }  // namespace
 
-Result<JoinReport> join_parts(const fs::path& output) {
+Result<JoinReport> join_parts(const fs::path& output, bool force) {
   const PackPlan plan = TRY(read_plan(output));
   const fs::path parts = parts_folder(output);
   Manifest manifest = TRY(read_segments(plan, parts));
   manifest.name = plan.name;
-  OutputFolder folder = TRY(
-      OutputFolder::create(output, plan.force ? may_replace_package : OutputFolder::MayReplace{}));
+  OutputFolder folder = TRY(OutputFolder::create(
+      output, plan.force || force ? may_replace_package : OutputFolder::MayReplace{}));
   for (const PackageFile* file : manifest.files())
     TRY(put(parts / file->path, folder.path() / file->path, *file));
   JoinReport report{manifest.frame_count(), plan.segments(), 0};
   if (plan.audio) {
-    manifest.audio =
+    report.audio =
         TRY(write_audio(*plan.audio, folder.path(), manifest.duration_us, {},
                         [&](const std::string& line) { report.warnings.push_back(line); }));
+    manifest.audio = report.audio->file;
   }
   report.bytes = TRY(finish_package(folder.path(), manifest, output));
   for (const PackageFile* file : manifest.files()) report.bytes += file->bytes;

@@ -12,6 +12,9 @@
 #include "codec/files/cloud_file.h"
 #include "codec/package/manifest.h"
 #include "codec/package/segment_writer.h"
+#include "codec/segments/missing_normals.h"
+#include "codec/segments/segment_packer.h"
+#include "codec/segments/segment_warnings.h"
 #include "common/base/try.h"
 #include "common/file_system/write_file.h"
 #include "common/threads/stoppable.h"
@@ -20,8 +23,6 @@
 #include "server/inspect/read_package.h"
 #include "server/pack/begin_manifest.h"
 #include "server/pack/in_arena.h"
-#include "server/pack/segment_packer.h"
-#include "server/pack/segment_warnings.h"
 
 namespace pointreel {
 namespace fs = std::filesystem;
@@ -91,12 +92,12 @@ class PartPacker {
     if (options_.up_of_files) options_.up = plan.up.value_or(options_.up);
     options_.segment_frames = plan.segment_frames;
     options_.encode.executor = stoppable(tbb_executor(), listener.stop, kGoesOn);
-    head_ = begin_manifest(options_, sequence_);
-    head_.tables = plan.tables;
+    if (options_.clean) options_.clean->noisy = plan.noisy;
   }
 
   /// Runs in the calling arena.
   Result<PartReport> run(PartOf part, bool fail_fast) {
+    begin();
     if (plan_.tables) TRY(use_tables());
     std::vector<std::uint32_t> missing;
     std::uint32_t frames = 0;
@@ -142,6 +143,14 @@ class PartPacker {
     if (!tables) return fail_at((folder_ / plan_.tables->path).string(), tables.error());
     octree->tables = std::move(*tables);
     return {};
+  }
+
+  /// All parts look at the first frame. If it cannot be read, that is said where it is packed.
+  void begin() {
+    const auto first = unchanged_frames(0, 1);
+    choose_normals(first ? *first : sequence_.frames, options_);
+    head_ = begin_manifest(options_, sequence_);
+    head_.tables = plan_.tables;
   }
 
   /// The source of frames must be what the plan was made for.

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "codec/segments/pack_options.h"
 #include "pointreel/error.h"
-#include "server/pack/pack_options.h"
 #include "server/pack/packer.h"
 #include "server/parts/plan.h"
 

@@ -14,6 +14,7 @@
 #include "codec/files/cloud_file.h"
 #include "codec/files/depth_folder.h"
 #include "codec/package/package_folder.h"
+#include "codec/segments/choose_cleaning.h"
 #include "common/base/try.h"
 #include "common/file_system/output_folder.h"
 #include "common/file_system/write_file.h"
@@ -46,9 +47,11 @@ std::string to_text(const PackPlan& plan) {
                        {"up", nullptr},
                        {"segment_frames", plan.segment_frames},
                        {"force", plan.force},
+                       {"noisy", nullptr},
                        {"audio", nullptr},
                        {"tables", nullptr}};
   if (plan.up) json["up"] = plan.up->text();
+  if (plan.noisy) json["noisy"] = *plan.noisy;
   if (plan.audio) json["audio"] = plan.audio->string();
   if (plan.tables) {
     json["tables"] = {{"path", plan.tables->path},
@@ -58,8 +61,8 @@ std::string to_text(const PackPlan& plan) {
   ordered_json& frames = json["frames"] = ordered_json::array();
   for (const PlannedFrame& frame : plan.frames) {
     ordered_json& entry = frames.emplace_back(ordered_json{frame.path.string(), frame.bytes});
-    if (!frame.index) continue;
-    entry.push_back(*frame.index);
+    if (!frame.index && !frame.time_us) continue;
+    entry.push_back(frame.index ? ordered_json(*frame.index) : ordered_json());
     if (frame.time_us) entry.push_back(*frame.time_us);
   }
   return json.dump(1) + "\n";
@@ -77,6 +80,9 @@ PackPlan from_json(const ordered_json& json) {
   if (segment_frames < 1 || segment_frames > 100'000) throw std::invalid_argument("segment_frames");
   plan.segment_frames = static_cast<std::uint32_t>(segment_frames);
   plan.force = json.at("force").get<bool>();
+  // Older plans lack it.
+  if (const auto noisy = json.find("noisy"); noisy != json.end() && !noisy->is_null())
+    plan.noisy = noisy->get<bool>();
   if (const ordered_json& audio = json.at("audio"); !audio.is_null())
     plan.audio = audio.get<std::string>();
   if (const ordered_json& tables = json.at("tables"); !tables.is_null()) {
@@ -87,7 +93,7 @@ PackPlan from_json(const ordered_json& json) {
   }
   for (const ordered_json& entry : json.at("frames")) {
     PlannedFrame frame{entry.at(0).get<std::string>(), entry.at(1).get<std::uint64_t>(), {}};
-    if (entry.size() > 2) frame.index = entry.at(2).get<std::uint32_t>();
+    if (entry.size() > 2 && !entry.at(2).is_null()) frame.index = entry.at(2).get<std::uint32_t>();
     if (entry.size() > 3) frame.time_us = entry.at(3).get<std::uint64_t>();
     plan.frames.push_back(std::move(frame));
   }
@@ -229,8 +235,11 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
                 {}};
   const auto complete = [&]() -> Result<void> {
     options.encode.executor = stoppable(tbb_executor(), stop, kInterrupted);
-    made.trial =
-        TRY(in_arena(options.threads, [&] { return choose_video(frames, options, stop); }));
+    made.trial = TRY(in_arena(options.threads, [&] {
+      choose_cleaning(frames, options);
+      return choose_video(frames, options, stop);
+    }));
+    plan.noisy = cleaning_choice(options);
     if (made.trial) {
       const Codec codec = options.video ? Codec::video : Codec::octree;
       plan.arguments.push_back(fmt::format("--codec={}", name(codec)));

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "codec/segments/pack_options.h"
 #include "pointreel/error.h"
 #include "pointreel/package.h"
-#include "server/pack/pack_options.h"
 #include "server/pack/packer.h"
 
 /// Packing in parts, by any number of processes on any number of machines that share a file system.
@@ -44,6 +44,7 @@ struct PackPlan {
   std::optional<Up> up;               ///< the axis, where the first frame tells it
   std::uint32_t segment_frames = 30;  ///< of each segment but the last
   bool force = false;                 ///< join may replace a package
+  std::optional<bool> noisy;          ///< CleanOptions::noisy
   std::vector<PlannedFrame> frames;
   std::optional<std::filesystem::path> audio;  ///< absolute; join gives the package its sound
   std::optional<PackageFile> tables;           ///< in the folder of the plan

@@ -18,17 +18,17 @@
 #include "codec/core/scalar_fields.h"
 #include "codec/files/unread_properties.h"
 #include "codec/live/frame_sender.h"
+#include "codec/live/kept_identity.h"
 #include "codec/package/coarsening.h"
 #include "codec/package/standing.h"
 #include "codec/package/steady_grid.h"
+#include "codec/rate/frame_time_control.h"
 #include "codec/surface/clean_in_time.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
 #include "common/threads/ordered_turns.h"
 #include "common/threads/tbb_executor.h"
-#include "server/publish/kept_identity.h"
 #include "server/publish/sound_input.h"
-#include "server/rate/frame_time_control.h"
 
 namespace pointreel {
 namespace {
@@ -229,13 +229,14 @@ class Publisher {
   Result<void> find_grid(FrameInProgress& frame) {
     const LoadedCloud& loaded = *frame.input.cloud;
     if (const std::string names = unread_.fresh(loaded.unread); !names.empty())
-      say("properties of points that are not sent: " + names);
+      say("properties not sent: " + names);
     if (loaded.cloud.has_scalars() && options_.encode.id() == Codec::draco &&
         !std::exchange(scalars_told_, true))
       say(kNoScalarsInDraco);
     if (options_.clean && !frame.cleaning.cleaned && !loaded.cloud.positions.empty() &&
         !std::exchange(uncleaned_told_, true))
-      say(fmt::format("{}: not cleaned: {}", frame.input.name, why_not_cleaned(*options_.clean)));
+      say(fmt::format("{}: not cleaned: {}", frame.input.name,
+                      why_not_cleaned(*options_.clean, {{frame.cleaning.why, 1}})));
     if (!frame.box.empty() && !std::exchange(stands_told_, true)) {
       if (const auto line = standing_warning(frame.box, options_.up)) say(*line);
     }

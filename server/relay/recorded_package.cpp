@@ -13,6 +13,8 @@
 
 #include "codec/package/manifest.h"
 #include "common/base/try.h"
+#include "common/file_system/lock_folder.h"
+#include "common/file_system/open_file.h"
 #include "common/file_system/write_file.h"
 #include "server/relay/left_sound.h"
 
@@ -66,12 +68,8 @@ Result<AudioFile> write_audio(const fs::path& folder, ByteView bytes, std::uint6
   return audio;
 }
 
-/// Takes the lock of a package's folder. The descriptor, or -1 if somebody else has it.
-int lock_folder(const fs::path& folder) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor >= 0 && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
-  if (descriptor >= 0) ::close(descriptor);
-  return -1;
+std::uint64_t checksum_of_text(std::string_view text) {
+  return checksum_of(ByteView(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
 }
 
 }  // namespace
@@ -80,12 +78,8 @@ RecordedPackage::RecordedPackage(fs::path folder, std::uint32_t first_frame, std
     : folder_(std::move(folder)),
       first_frame_(first_frame),
       start_us_(start_us),
-      lock_(lock_folder(folder_)),
+      lock_(lock_folder(folder_, LOCK_NB)),
       sound_(folder_ / kGrowingSound, start_us) {}
-
-RecordedPackage::~RecordedPackage() {
-  if (lock_ >= 0) ::close(lock_);
-}
 
 Result<void> RecordedPackage::add(LiveSegment& segment, const LiveHello& hello) {
   const Segment as_it_was = segment.entry;
@@ -132,6 +126,7 @@ Result<void> RecordedPackage::add(LiveSegment& segment, const LiveHello& hello) 
 }
 
 Result<void> RecordedPackage::complete(const LiveHello& hello) {
+  if (complete_) lock_.close();
   if (complete_ || empty()) return {};
   const std::optional<AudioFile> before = audio_;
   // Pictures without sound are better than neither.
@@ -139,6 +134,7 @@ Result<void> RecordedPackage::complete(const LiveHello& hello) {
   TRY(write_manifest_file(head(hello)));
   if (before && before->path != audio_->path) ::unlink((folder_ / before->path).c_str());
   complete_ = sound.has_value();
+  if (complete_) lock_.close();
   return sound;
 }
 
@@ -151,9 +147,18 @@ Result<void> RecordedPackage::write_sound() {
 
 void RecordedPackage::remove() const { ::rmdir(folder_.c_str()); }
 
-bool RecordedPackage::exists() const {
+bool RecordedPackage::take_back() {
   std::error_code ignored;
-  return fs::is_directory(folder_, ignored);
+  if (!fs::is_directory(folder_, ignored)) return false;
+  if (lock_.get() >= 0) return is_still(lock_.get(), folder_);
+  if (!complete_) return true;
+  Descriptor lock(lock_folder(folder_, LOCK_NB));
+  if (lock.get() < 0 && errno == EWOULDBLOCK) return false;
+  const auto text = read_text(folder_ / kManifestName, kMaxManifestBytes);
+  if (!text || checksum_of_text(*text) != written_checksum_) return false;
+  if (sound_.samples() > 0 && !fs::exists(folder_ / kGrowingSound, ignored)) return false;
+  lock_ = std::move(lock);
+  return true;
 }
 
 Manifest RecordedPackage::head(const LiveHello& hello) const {
@@ -168,6 +173,7 @@ Result<void> RecordedPackage::write_manifest_file(const Manifest& head) {
   const std::string text = write_manifest(head, lines_);
   TRY(write_file(folder_, kManifestName, text));
   written_bytes_ = text.size();
+  written_checksum_ = checksum_of_text(text);
   // What it holds is in the manifest now. Readers know by the frames' numbers, if it remains.
   ::unlink((folder_ / kJournalName).c_str());
   journal_bytes_ = 0;
@@ -232,11 +238,10 @@ void complete_recordings(const fs::path& folder,
       return fs::is_regular_file(entry.path() / name, ignored);
     };
     if (!has(kJournalName) && !has(kGrowingSound)) continue;
-    const int lock = lock_folder(entry.path());
-    if (lock < 0) continue;
+    const Descriptor lock(lock_folder(entry.path(), LOCK_NB));
+    if (lock.get() < 0) continue;
     if (const auto completed = complete_recording(entry.path()); !completed && say)
       say(completed.error().message);
-    ::close(lock);
   }
 }
 

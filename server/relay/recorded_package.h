@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/file_system/descriptor.h"
 #include "pointreel/error.h"
 #include "server/relay/live_sound_file.h"
 #include "server/relay/segmenter.h"
@@ -24,12 +25,11 @@ namespace pointreel {
 /// manifest is rewritten when the journal has reached a share of its length. All in all, no more
 /// than a constant multiple of the manifest is written.
 ///
-/// While the package grows, its manifest has the member `live`.
+/// While the package grows, its manifest has the member `live`, and its folder is locked.
 class RecordedPackage {
  public:
   /// `folder` exists and is empty. The segments' frames and times are counted from these.
   RecordedPackage(std::filesystem::path folder, std::uint32_t first_frame, std::uint64_t start_us);
-  ~RecordedPackage();
   RecordedPackage(const RecordedPackage&) = delete;
   RecordedPackage& operator=(const RecordedPackage&) = delete;
 
@@ -37,13 +37,14 @@ class RecordedPackage {
   Result<void> add(LiveSegment& segment, const LiveHello& hello);
   /// Adds sound, which the manifest has once the package is complete.
   void add(const LiveSound& sound) { sound_.add(sound); }
-  /// Writes the sound and the whole manifest, without `live`. More segments may be added
-  /// nevertheless.
+  /// Writes the sound and the whole manifest, without `live`, and lets others have the package.
   Result<void> complete(const LiveHello& hello);
   /// Removes the folder, if it is empty.
   void remove() const;
 
-  bool exists() const;
+  /// Takes a complete package back, so that segments may be added. False if it is no longer there
+  /// as it was left.
+  bool take_back();
   bool empty() const { return lines_.empty(); }
   std::size_t manifest_bytes() const { return lines_bytes_; }
 
@@ -56,7 +57,7 @@ class RecordedPackage {
   const std::filesystem::path folder_;
   const std::uint32_t first_frame_;
   const std::uint64_t start_us_;
-  const int lock_;  ///< a descriptor that tells complete_recordings() of other programs to wait
+  Descriptor lock_;  ///< tells other programs to wait, until the package is complete
   LiveSoundFile sound_;
   std::optional<AudioFile> audio_;  ///< of the manifest on disk
   LiveTotals totals_;
@@ -65,6 +66,7 @@ class RecordedPackage {
   std::vector<std::string> lines_;  ///< lines of the manifest, one for each segment
   std::size_t lines_bytes_ = 0;
   std::size_t written_bytes_ = 0;  ///< of the manifest on disk
+  std::uint64_t written_checksum_ = 0;
   std::size_t journal_bytes_ = 0;
   bool complete_ = false;  ///< the manifest on disk has all segments and no `live`
 };

@@ -109,8 +109,8 @@ void LiveRecorder::write_waiting() {
 }
 
 Result<void> LiveRecorder::record(LiveSegment& segment) {
-  // Someone may have moved or removed it.
-  if (package_ && !package_->exists()) package_.reset();
+  // Someone may have moved or removed it, or changed it while the publisher was away.
+  if (package_ && !package_->take_back()) package_.reset();
   if (!package_) TRY(open(segment));
   const auto added = package_->add(segment, hello_);
   if (!added && package_->empty()) {

@@ -15,6 +15,13 @@
 namespace pointreel {
 namespace {
 
+/// A target without what its query says, which may be a token.
+std::string logged(std::string_view target) {
+  const std::size_t query = target.find('?');
+  std::string shown(target.substr(0, query));
+  return query == std::string_view::npos ? shown : shown + "?...";
+}
+
 std::int64_t unix_time() { return static_cast<std::int64_t>(std::time(nullptr)); }
 
 /// Reads the head of a request. Returns kHead, kRefused, or kEmpty if the connection ended before.
@@ -91,7 +98,7 @@ Task<void> serve_connection(std::shared_ptr<Transport> transport, ConnectionTabl
       service.log().write(Log::Level::kInfo, "request",
                           {{"peer", peer.address},
                            {"method", refused ? "" : reader.request().method},
-                           {"target", refused ? "" : reader.request().target},
+                           {"target", refused ? std::string() : logged(reader.request().target)},
                            {"status", std::int64_t{response.status}},
                            {"bytes", static_cast<std::int64_t>(response.size)},
                            {"ms", took.count()},

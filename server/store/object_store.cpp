@@ -148,6 +148,8 @@ std::size_t ObjectContent::read(std::uint64_t offset, char* to, std::size_t size
   }
 }
 
+Result<std::string> ObjectContent::md5() const { return TRY(md5_of(*this)).hex(); }
+
 /// One attempt of a request.
 class ObjectStore::Request {
  public:
@@ -302,7 +304,8 @@ Result<std::optional<StoredObject>> ObjectStore::look(const std::string& url) {
     curl_easy_getinfo(request.handle, CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &bytes);
     if (bytes >= 0)
       found = StoredObject{static_cast<std::uint64_t>(bytes),
-                           checksum_in(header_of(request.handle, kChecksumHeader))};
+                           checksum_in(header_of(request.handle, kChecksumHeader)),
+                           md5_in(request.handle)};
     return std::nullopt;
   }));
   return found;

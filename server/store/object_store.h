@@ -26,6 +26,8 @@ class ObjectContent {
   ~ObjectContent();
 
   std::uint64_t bytes() const { return bytes_; }
+  /// In hexadecimal digits. An error if it cannot be read.
+  Result<std::string> md5() const;
   /// Up to `size` bytes from `offset` on; none at the end, or if they cannot be read.
   std::size_t read(std::uint64_t offset, char* to, std::size_t size) const;
 
@@ -46,6 +48,8 @@ struct ObjectHeaders {
 struct StoredObject {
   std::uint64_t bytes = 0;
   std::optional<std::uint64_t> checksum;  ///< none if it was not stored with ObjectHeaders
+  /// Of what the store has, as it says itself; none where its tags are something else.
+  std::optional<std::string> md5;
 };
 
 /// Reads and writes objects of a store, one after another over a connection that is kept: for one

@@ -52,6 +52,11 @@ class PackageFiles::Remote {
     return *entry->path;
   }
 
+  std::optional<Error> lacks_room() {
+    const std::lock_guard lock(mutex_);
+    return lacks_room_;
+  }
+
  private:
   struct Entry {
     std::mutex mutex;
@@ -78,11 +83,12 @@ class PackageFiles::Remote {
                   static_cast<std::streamsize>(bytes.size()));
     }
     out.close();
-    if (!out)
-      return fail(ErrorCode::io, path.string() +
-                                     ": cannot be written; set TMPDIR to a folder that "
-                                     "has room");
-    return path;
+    if (out) return path;
+    const Error error{path.string() + ": cannot be written; set TMPDIR to a folder that has room",
+                      ErrorCode::io};
+    const std::lock_guard lock(mutex_);
+    lacks_room_ = error;
+    return tl::unexpected(error);
   }
 
   const HttpFolder folder_;
@@ -90,11 +96,17 @@ class PackageFiles::Remote {
   HttpClient client_;
   std::mutex mutex_;  ///< guards what follows
   std::map<std::string, Entry> entries_;
+  std::optional<Error> lacks_room_;
   ScratchFolder temporary_;
 };
 
 Result<PackageFiles> PackageFiles::at(const std::string& where, const HttpOptions& options) {
   PackageFiles files(where);
+  if (!scheme_of(where).empty() && !is_folder_address(where)) {
+    TRY(parse_url(where));
+    return fail(ErrorCode::argument,
+                without_secrets(where) + ": is not an http://, https:// or s3:// address");
+  }
   if (is_folder_address(where))
     files.remote_ = std::make_shared<Remote>(TRY(resolve_folder(where, options.endpoint)), options);
   return files;
@@ -109,8 +121,12 @@ Result<fs::path> PackageFiles::local(const PackageFile& file) const {
   return folder_ / file.path;
 }
 
+std::optional<Error> PackageFiles::lacks_room() const {
+  return remote_ ? remote_->lacks_room() : std::nullopt;
+}
+
 std::string PackageFiles::shown() const {
-  return remote_ ? remote_->folder().base : folder_.string();
+  return remote_ ? without_secrets(remote_->folder().base) : folder_.string();
 }
 
 std::string PackageFiles::shown(const PackageFile& file) const {

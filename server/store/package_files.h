@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "common/http/http_options.h"
@@ -33,6 +34,9 @@ class PackageFiles {
   /// Trust: the server may be hostile. No more is fetched than the manifest says, and memory is
   /// bounded.
   Result<std::filesystem::path> local(const PackageFile& file) const;
+
+  /// Why fetched files cannot be kept on this machine, if some could not; the package may be good.
+  std::optional<Error> lacks_room() const;
 
   /// The package, or a file of it, for people.
   std::string shown() const;

@@ -148,20 +148,25 @@ class FileUploads {
     return file.bytes > kShort || misses_ < kMissesInARow || named_.contains(file.path);
   }
 
-  Result<bool> is_there(ObjectStore& store, const std::string& url, const PackageFile& file) {
+  Result<bool> is_there(ObjectStore& store, const std::string& url, const PackageFile& file,
+                        const ObjectContent& content) {
     if (!may_be_there(file)) return false;
     const auto there = TRY(store.look(url));
-    const std::lock_guard lock(mutex_);
-    misses_ = there ? 0 : misses_ + 1;
-    return there && there->bytes == file.bytes && there->checksum == file.checksum;
+    {
+      const std::lock_guard lock(mutex_);
+      misses_ = there ? 0 : misses_ + 1;
+    }
+    if (!there || there->bytes != file.bytes || there->checksum != file.checksum) return false;
+    // The checksum is what was sent with it; this is what has arrived.
+    return !there->md5 || *there->md5 == TRY(content.md5());
   }
 
   /// False if it was there already.
   Result<bool> upload(ObjectStore& store, const PackageFile& file) {
     const std::string url = to_.file(file.path);
-    if (TRY(is_there(store, url, file))) return false;
     const fs::path path = package_ / file.path;
     const ObjectContent content = TRY(ObjectContent::open(path));
+    if (TRY(is_there(store, url, file, content))) return false;
     const std::uint64_t checksum = TRY(at_place(path.string(), checksum_of(content)));
     if (content.bytes() != file.bytes || checksum != file.checksum)
       return fail(
@@ -194,11 +199,17 @@ class FileUploads {
 
 /// Whether a manifest may take the place of another one without --force: the same recording, which
 /// has grown.
-bool continues(const Manifest& fresh, const std::string& there) {
-  const auto before = parse_manifest(there);
-  if (!before || !before->live || before->segments.empty() || fresh.segments.empty()) return false;
-  // Names of files have their checksums.
-  return before->segments.front().layers.front().path == fresh.segments.front().layers.front().path;
+bool continues(const Manifest& fresh, const Manifest& before) {
+  if (before.segments.empty() || before.segments.size() > fresh.segments.size()) return false;
+  // The last segment of a recording that was still growing may be another one by now.
+  const std::size_t same = before.live ? 1 : before.segments.size();
+  return std::equal(before.segments.begin(),
+                    before.segments.begin() + static_cast<std::ptrdiff_t>(same),
+                    fresh.segments.begin(), [](const Segment& a, const Segment& b) {
+                      const LayerFile &ours = a.layers.front(), &theirs = b.layers.front();
+                      return ours.path == theirs.path && ours.bytes == theirs.bytes &&
+                             ours.checksum == theirs.checksum;
+                    });
 }
 
 void wait(std::chrono::milliseconds time, const std::stop_token& stop) {
@@ -223,6 +234,19 @@ Result<Uploader> Uploader::open(UploadOptions options) {
   return uploader;
 }
 
+Result<void> Uploader::may_replace(const Manifest& fresh) const {
+  const auto before = parse_manifest(there_);
+  // What is no store may answer anything, and with anything.
+  if (!before)
+    return fail(ErrorCode::argument,
+                fmt::format("{}: what is there already is not a reel ({}); check --endpoint and "
+                            "the address, or replace it with --force",
+                            options_.to, before.error().message));
+  if (continues(fresh, *before)) return {};
+  return fail(ErrorCode::argument,
+              options_.to + ": another reel is there already; --force replaces it");
+}
+
 Result<UploadSummary> Uploader::upload(const fs::path& package, const UploadListener& listener) {
   UploadSummary summary;
   std::set<std::string> done;
@@ -230,9 +254,7 @@ Result<UploadSummary> Uploader::upload(const fs::path& package, const UploadList
     const ManifestText now = TRY(read_manifest_text(package));
     summary.growing = now.manifest.live.has_value();
     if (now.text != there_) {
-      if (first && !there_.empty() && !options_.force && !continues(now.manifest, there_))
-        return fail(ErrorCode::argument,
-                    options_.to + ": another reel is there already; --force replaces it");
+      if (first && !there_.empty() && !options_.force) TRY(may_replace(now.manifest));
       std::vector<const PackageFile*> files = now.manifest.files();
       std::erase_if(files, [&](const PackageFile* file) { return done.contains(file->path); });
       if (listener.begin && first) listener.begin(files.size());

@@ -8,6 +8,7 @@
 #include "codec/package/http_folder.h"
 #include "common/http/http_options.h"
 #include "pointreel/error.h"
+#include "pointreel/package.h"
 
 namespace pointreel {
 
@@ -52,6 +53,8 @@ class Uploader {
                                const UploadListener& listener = {});
 
  private:
+  Result<void> may_replace(const Manifest& fresh) const;
+
   UploadOptions options_;
   HttpFolder folder_;
   std::string there_;  ///< the text of the manifest in the store; empty if there is none

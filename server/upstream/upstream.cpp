@@ -61,6 +61,7 @@ class Link {
     while (!stop.stop_requested()) {
       WebSocketOptions socket_options;
       socket_options.token = options_.token;
+      socket_options.option_prefix = "--relay-";
       socket_options.ca_file = options_.ca_file;
       socket_options.connect_timeout = connect.wait();
       socket_options.silence_timeout = kSilence;

@@ -87,10 +87,10 @@ nlohmann::json run_codec(const SuiteOptions& options) {
   run_attributes(options, attributes, bars);
   auto rates = run_rates(options);
   auto video = run_video(options);
-  print(bars);
+  print(bars, options.quick);
   return {{"plain", std::move(plain)},           {"grids", std::move(grids)},
           {"attributes", std::move(attributes)}, {"rates", std::move(rates)},
-          {"video", std::move(video)},           {"bars", to_json(bars)}};
+          {"video", std::move(video)},           {"bars", to_json(bars, options.quick)}};
 }
 
 }  // namespace pointreel::bench

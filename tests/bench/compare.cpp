@@ -196,8 +196,11 @@ void add_compare_command(cli::Command app, int& exit_code) {
       "10 log10(255^2 / mean square) of Y'CbCr (BT.709). \"Symmetric\" is the worse of the two\n"
       "directions. The table leaves out rows for attributes that the files do not have.");
   auto options = std::make_shared<Options>();
-  command.add_option("A", options->a, "the reference, .ply or .drc").required();
-  command.add_option("B", options->b, "the cloud to compare with it, .ply or .drc").required();
+  command
+      .add_option("A", options->a,
+                  "the reference, .ply, .drc, .npz or any other file that pack reads")
+      .required();
+  command.add_option("B", options->b, "the cloud to compare with it").required();
   command
       .add_option("--peak", options->peak,
                   "the peak of PSNR in the units of the files, such as 1023 for 10-bit voxels\n"

@@ -264,8 +264,8 @@ nlohmann::json run_files(const SuiteOptions& options) {
     rows.push_back(measure_file(input, options.quick ? 5 : 21, bars));
     if (rows.back().contains("error")) return rows.back();
   }
-  print(bars);
-  return {{"files", rows}, {"bars", to_json(bars)}};
+  print(bars, options.quick);
+  return {{"files", rows}, {"bars", to_json(bars, options.quick)}};
 }
 
 }  // namespace pointreel::bench

@@ -25,7 +25,7 @@ int run(int argc, char** argv) {
       "another program or a reference implementation that was measured in the same run.\n"
       "\"pointreel-bench SUBCOMMAND --help\" shows the options of a subcommand.",
       "pointreel-bench"};
-  app.footer("Exit codes: 0 success, 1 failure, 2 wrong usage.");
+  app.footer("Exit status: 0 success, 1 failure, 2 wrong usage.");
   app.require_subcommand(1, 1);
   SuiteOptions options;
   std::string json;

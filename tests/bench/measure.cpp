@@ -8,9 +8,13 @@
 #include <fmt/format.h>
 
 #include "common/process/print.h"
+#include "tests/bench/table.h"
 
 namespace pointreel::bench {
 namespace {
+
+constexpr const char* kNotJudged =
+    "With --quick no bar is judged: the bars are those of the full run.";
 
 std::string processor_name() {
   std::ifstream info("/proc/cpuinfo");
@@ -45,24 +49,41 @@ nlohmann::json to_json(const Timing& timing) {
   return {{"median", timing.median}, {"min", timing.min}, {"max", timing.max}};
 }
 
-nlohmann::json to_json(const std::vector<Bar>& bars) {
+nlohmann::json to_json(const std::vector<Bar>& bars, bool quick) {
   auto list = nlohmann::json::array();
   for (const Bar& bar : bars) {
-    list.push_back({{"name", bar.name},
-                    {"value", bar.value},
-                    {"unit", bar.unit},
-                    {"limit", bar.limit},
-                    {"holds", bar.holds()}});
+    list.push_back(
+        {{"name", bar.name}, {"value", bar.value}, {"unit", bar.unit}, {"limit", bar.limit}});
+    if (!quick) list.back()["holds"] = bar.holds();
   }
   return list;
 }
 
-void print(const std::vector<Bar>& bars) {
+void print(const std::vector<Bar>& bars, bool quick) {
+  if (bars.empty()) return;
   print("\n");
+  if (quick) print("{}\n", kNotJudged);
   for (const Bar& bar : bars) {
-    print("{:<5} {:<52} {:>9.3f} {:<4} (bar: {} {:g})\n", bar.holds() ? "holds" : "FAILS", bar.name,
-          bar.value, bar.unit, bar.at_least ? "at least" : "at most", bar.limit);
+    const char* verdict = bar.holds() ? "holds" : "FAILS";
+    print("{:<5} {:<52} {:>9.3f} {:<4} (bar: {} {:g})\n", quick ? "" : verdict, bar.name, bar.value,
+          bar.unit, bar.at_least ? "at least" : "at most", bar.limit);
   }
+}
+
+std::string bars_chapter(const nlohmann::json& report) {
+  const bool quick = report["quick"].get<bool>();
+  Table table({"bar", "value", "limit", ""});
+  for (const nlohmann::json& bar : report["bars"]) {
+    const auto with_unit = [&](const char* key) {
+      const std::string unit = bar["unit"];
+      return fmt::format("{:.4g}{}{}", bar[key].get<double>(), unit.empty() ? "" : " ", unit);
+    };
+    const char* verdict = bar.value("holds", false) ? "holds" : "**fails**";
+    table.row({bar["name"], with_unit("value"), with_unit("limit"), quick ? "" : verdict});
+  }
+  return fmt::format("## Bars\n\n{}\n\n{}",
+                     quick ? kNotJudged : "The limits that these figures should meet.",
+                     table.text());
 }
 
 }  // namespace pointreel::bench

@@ -38,9 +38,14 @@ struct Bar {
 nlohmann::json machine();
 
 nlohmann::json to_json(const Timing& timing);
-nlohmann::json to_json(const std::vector<Bar>& bars);
 using pointreel::print;
-void print(const std::vector<Bar>& bars);
+
+/// Bars are those of the full run: the figures of a quick one are not judged, and to_json has no
+/// "holds" for them.
+nlohmann::json to_json(const std::vector<Bar>& bars, bool quick);
+void print(const std::vector<Bar>& bars, bool quick);
+/// The chapter about the "bars" of a report in Markdown.
+std::string bars_chapter(const nlohmann::json& report);
 
 Timing summarise(std::vector<double> milliseconds);
 double now_ms();

@@ -14,6 +14,8 @@ std::string grouped(std::size_t n) {
   return fmt::format("{},{:03}", grouped(n / 1000), n % 1000);
 }
 
+std::string default_folder(const std::string& benchmark) { return "build/bench/" + benchmark; }
+
 Result<void> write_text(const std::filesystem::path& file, const std::string& text) {
   std::ofstream out(file, std::ios::binary);
   out << text;

@@ -14,6 +14,10 @@ namespace pointreel::bench {
 /// The number with separators: 1234567 becomes "1,234,567".
 std::string grouped(std::size_t n);
 
+/// Where a benchmark writes its files unless told otherwise: below the folder of builds, so that a
+/// checkout stays clean.
+std::string default_folder(const std::string& benchmark);
+
 /// Writes a file. The error begins with the name of the file.
 Result<void> write_text(const std::filesystem::path& file, const std::string& text);
 

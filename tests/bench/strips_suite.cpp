@@ -194,8 +194,9 @@ nlohmann::json run_strips(const SuiteOptions& options) {
     return {};
   };
   const auto measured = measure_all();
-  print(bars);
-  nlohmann::json report = {{"rows", rows}, {"pictures", pictures}, {"bars", to_json(bars)}};
+  print(bars, options.quick);
+  nlohmann::json report = {
+      {"rows", rows}, {"pictures", pictures}, {"bars", to_json(bars, options.quick)}};
   if (!measured) report["error"] = measured.error().message;
   return report;
 }

@@ -164,12 +164,12 @@ nlohmann::json run_svo(const SuiteOptions& options) {
   const nlohmann::json traversal = measure_traversal(4 * runs, bars);
   const nlohmann::json threads =
       options.quick ? nlohmann::json::array() : measure_threads(runs, bars);
-  print(bars);
+  print(bars, options.quick);
   return {{"delta", kDelta},
           {"rows", rows},
           {"traversal", traversal},
           {"threads", threads},
-          {"bars", to_json(bars)}};
+          {"bars", to_json(bars, options.quick)}};
 }
 
 }  // namespace pointreel::bench

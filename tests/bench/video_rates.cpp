@@ -7,10 +7,10 @@
 #include <tbb/global_control.h>
 
 #include "codec/files/ply.h"
+#include "codec/segments/coding_error.h"
 #include "common/base/try.h"
 #include "common/process/print.h"
 #include "server/inspect/inspect.h"
-#include "server/pack/coding_error.h"
 #include "server/pack/packer.h"
 #include "server/store/package_files.h"
 #include "tests/bench/measure.h"

@@ -103,6 +103,31 @@ TEST(Camera, framed_bounds_are_fully_visible_and_fill_most_of_the_picture) {
   }
 }
 
+TEST(Camera, a_box_fits_from_every_direction_and_above_what_is_covered) {
+  const Box box{{-1, 0, -0.3}, {1, 3, 0.3}};
+  for (const double covered : {0.0, 0.15, 0.3}) {
+    for (double yaw = -3.0; yaw < 3.2; yaw += 0.5) {
+      for (double pitch = -1.5; pitch < 1.6; pitch += 0.5) {
+        Camera camera;
+        camera.orbit(yaw, pitch);
+        camera.fit(box, kAspect, covered);
+        EXPECT_NEAR(camera.yaw, yaw, 1e-12);
+        EXPECT_NEAR(camera.pitch, pitch, 1e-12);
+        double lowest = 1.0, highest = -1.0, widest = 0.0;
+        for (int i = 0; i < 8; ++i) {
+          const glm::dvec3 p = project(camera, corner(box, i), kAspect);
+          lowest = std::min(lowest, p.y);
+          highest = std::max(highest, p.y);
+          widest = std::max(widest, std::abs(p.x));
+        }
+        EXPECT_GT(lowest, 2.0 * covered - 1.0) << covered << " " << yaw << " " << pitch;
+        EXPECT_LT(std::max(highest, widest), 1.0) << covered << " " << yaw << " " << pitch;
+        EXPECT_GT(std::max(highest - lowest, 2.0 * widest), 1.3 * (1.0 - covered));
+      }
+    }
+  }
+}
+
 TEST(Camera, bounds_without_extent_give_a_finite_view) {
   for (const Box& box : {Box{}, Box{{1, 2, 3}, {1, 2, 3}}}) {
     Camera camera;

@@ -170,6 +170,25 @@ TEST(HttpSource, reports_that_nothing_answers) {
   EXPECT_THAT(open_source(url, patient()).error().message, HasSubstr("nothing answers there"));
 }
 
+TEST(HttpSource, a_file_that_a_server_without_ranges_has_shorter_or_longer_is_an_error) {
+  int requests = 0;
+  const auto long_file = [](int socket, const std::string&) {
+    answer(socket, "200 OK", "", text_of(offsets(0, 31)));
+    return true;
+  };
+  EXPECT_THAT(fetch_error(long_file, &requests),
+              HasSubstr("30 bytes expected (the file is longer than its manifest says)"));
+  EXPECT_LE(requests, 2);
+  const auto short_file = [](int socket, const std::string&) {
+    answer(socket, "200 OK", "", text_of(offsets(0, 29)));
+    return true;
+  };
+  EXPECT_THAT(
+      fetch_error(short_file, &requests),
+      HasSubstr("29 bytes came instead of 30 (the file is shorter than its manifest says)"));
+  EXPECT_LE(requests, 2);
+}
+
 TEST(HttpSource, fetches_whole_files_once_from_a_server_without_ranges) {
   std::atomic<int> files = 0;
   ScriptedHttpServer server(serving([&](int socket, const std::string& head) {

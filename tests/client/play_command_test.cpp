@@ -140,6 +140,12 @@ TEST_F(PlayCommandTest, a_camera_is_a_name_or_angles_or_a_path) {
   EXPECT_EQ(options->camera_path->keys.size(), 1u);
 }
 
+TEST_F(PlayCommandTest, ways_of_opengl_do_not_go_with_the_software_renderer) {
+  EXPECT_EQ(error({"--instancing", "geometry"}), "nothing");
+  EXPECT_THAT(error({"--instancing", "geometry", "--renderer", "software"}),
+              HasSubstr("does nothing with --renderer software"));
+}
+
 TEST_F(PlayCommandTest, a_close_view_has_a_target_and_a_zoom) {
   const Box person{{-0.5, 0.0, -0.5}, {0.5, 2.0, 0.5}};
   const auto seen = [&](const std::vector<std::string>& arguments, Up up) {
@@ -153,7 +159,11 @@ TEST_F(PlayCommandTest, a_close_view_has_a_target_and_a_zoom) {
   EXPECT_EQ(seen({"--target", "0.1,-2,3"}, 'y').target, glm::dvec3(0.1, -2.0, 3.0));
   EXPECT_EQ(seen({"--target", "middle"}, 'y'), whole);
   EXPECT_THAT(error({"--target", "hand"}), HasSubstr("feet, middle or head"));
-  EXPECT_NE(error({"--zoom", "0"}), "");
+  EXPECT_NE(error({"--zoom", "0"}), "nothing");
+  const Camera near = seen({"--target", "head", "--distance", "0.3"}, 'y');
+  EXPECT_EQ(near.target, head.target);
+  EXPECT_DOUBLE_EQ(near.distance, 0.3);
+  EXPECT_NE(error({"--zoom", "4", "--distance", "0.3"}), "nothing");
 }
 
 TEST_F(PlayCommandTest, the_command_line_wins_over_the_settings_file) {

@@ -198,6 +198,12 @@ TEST(PrepareFrame, has_normals_in_every_mode_that_shows_them) {
         else
           EXPECT_TRUE(scene->cloud.has_normals());
         EXPECT_EQ(scene->normals_estimated, !with_normals);
+        Manifest estimated = manifest;
+        estimated.normals_estimated = true;
+        const auto either_side =
+            prepare_frame(estimated, 0, frame, {.mode = mode, .delta = 0.05, .show_normals = true});
+        ASSERT_TRUE(either_side);
+        EXPECT_TRUE(either_side->normals_estimated);
       }
     }
   }

@@ -190,6 +190,32 @@ TEST_P(ReconstructionTest, an_outline_that_leaves_the_picture_does_not_move) {
   }
 }
 
+TEST_P(ReconstructionTest, an_outline_does_not_move_where_other_surfels_are_divided) {
+  PointCloud cloud;
+  add_sphere(cloud, {-0.7f, 0.0f, 0.0f}, 1.0f, kRed, all);
+  // A board, whose back is as wide as its front.
+  for (const float side : {-1.0f, 1.0f}) {
+    for (int i = 0; i < 41 * 41; ++i) {
+      const float x = 0.016f * static_cast<float>(i % 41 - 20);
+      const float y = 0.016f * static_cast<float>(i / 41 - 20);
+      cloud.positions.emplace_back(1.0f + x, y, 0.02f * side);
+      cloud.normals.emplace_back(0.0f, 0.0f, side);
+      cloud.colors.push_back(kGreen);
+      cloud.radii.push_back(0.015f);
+    }
+  }
+  const auto frame = cloud_frame(cloud);
+  const auto covered = [&](bool refine) {
+    options_.refine = refine;
+    const Image image = draw(frame, camera_, {960, 720}, options_);
+    return static_cast<double>(std::ranges::count_if(
+        image.pixels, [](const glm::u8vec3& p) { return p.g > 128 && p.r < 128 && p.b < 128; }));
+  };
+  const double before = covered(false);
+  ASSERT_GT(before, 10'000.0);
+  EXPECT_NEAR(covered(true), before, 0.01 * before) << "surfels of the board look small";
+}
+
 TEST_P(ReconstructionTest, filling_does_not_depend_on_earlier_pictures) {
   PointCloud holed, other;
   add_sphere(holed, {0.2f, 0.1f, 0.0f}, 0.4f, kRed, but_the_front);

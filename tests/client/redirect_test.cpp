@@ -99,12 +99,22 @@ TEST(HttpSource, a_redirect_to_what_is_not_http_is_refused_without_advice_to_fol
 }
 
 TEST(HttpSource, says_that_a_server_may_use_tls_if_it_does_not_answer) {
-  ScriptedHttpServer server([](int, const std::string&) { return false; });
-  SourceOptions options;
-  options.open_attempts = 1;
-  const auto source = open_source(server.url() + "/walk", options);
-  ASSERT_FALSE(source);
-  EXPECT_THAT(source.error().message, HasSubstr("if it uses TLS, use https://"));
+  const auto hangs_up = [](int, const std::string&) { return false; };
+  const auto resets = [](int socket, const std::string&) {
+    sockaddr nobody{};
+    nobody.sa_family = AF_UNSPEC;
+    ::connect(socket, &nobody, sizeof nobody);
+    return false;
+  };
+  for (const ScriptedHttpServer::Handler& handler :
+       {ScriptedHttpServer::Handler(hangs_up), ScriptedHttpServer::Handler(resets)}) {
+    ScriptedHttpServer server(handler);
+    SourceOptions options;
+    options.open_attempts = 1;
+    const auto source = open_source(server.url() + "/walk", options);
+    ASSERT_FALSE(source);
+    EXPECT_THAT(source.error().message, HasSubstr("if it uses TLS, use https://"));
+  }
 }
 
 TEST(HttpSource, a_redirect_to_another_port_of_the_host_is_followed) {

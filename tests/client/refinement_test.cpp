@@ -89,6 +89,35 @@ TEST(Refinement, keeps_colours_sharp_along_dense_curves_with_gaps_between_them) 
   EXPECT_GT(near_edge, 1'000u);
 }
 
+TEST(Refinement, keeps_the_shape_of_even_points_below_surfels_that_are_larger_than_they_need) {
+  // Waves of 60 mm, sampled every 4 mm, with surfels that would close gaps of 20 mm.
+  constexpr float kHeight = 0.003f, kWave = 2.0f * 3.14159265f / 0.06f;
+  PointCloud waves;
+  for (int y = -60; y <= 60; ++y) {
+    for (int i = -60; i <= 60; ++i) {
+      const float x = 0.004f * (static_cast<float>(i) + 0.5f * static_cast<float>(y & 1));
+      const float slope = kHeight * kWave * std::cos(kWave * x);
+      waves.positions.emplace_back(x, 0.0035f * static_cast<float>(y),
+                                   kHeight * std::sin(kWave * x));
+      waves.normals.push_back(glm::normalize(glm::vec3(-slope, 0.0f, 1.0f)));
+      waves.radii.push_back(0.014f);
+    }
+  }
+  Camera camera;
+  camera.distance = 0.3;
+  Refinement refinement;
+  refinement.run(cloud_frame(waves), camera, kSize);
+  double square = 0.0, count = 0.0;
+  for (const RefinedSurfel& surfel : refinement.surfels()) {
+    if (glm::length(glm::vec2(surfel.position)) > 0.15f) continue;
+    const float off = surfel.position.z - kHeight * std::sin(kWave * surfel.position.x);
+    square += static_cast<double>(off) * off;
+    ++count;
+  }
+  ASSERT_GT(count, 5'000.0);
+  EXPECT_LT(std::sqrt(square / count), 0.05 * kHeight) << "fitted within three radii: 0.22";
+}
+
 TEST(Refinement, leaves_no_gaps_between_surfels) {
   const PointCloud cloud = sphere(3'000);
   Refinement refinement;

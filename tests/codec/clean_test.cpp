@@ -106,6 +106,7 @@ TEST(Clean, leaves_smooth_clouds_as_they_are) {
   PointCloud cloud = exact;
   const CleanReport report = clean(cloud);
   EXPECT_FALSE(report.cleaned);
+  EXPECT_EQ(report.why, NotCleaned::smooth);
   EXPECT_LT(report.noise, 0.1 * report.spacing);
   EXPECT_TRUE(equal(cloud, exact));
   cloud.normals.clear();
@@ -120,7 +121,7 @@ TEST(Clean, leaves_clouds_without_normals_alone_if_told_to) {
   PointCloud bare = noisy;
   bare.normals.clear();
   cloud = bare;
-  EXPECT_FALSE(clean(cloud, {.without_normals = false}).cleaned);
+  EXPECT_EQ(clean(cloud, {.without_normals = false}).why, NotCleaned::no_normals);
   EXPECT_TRUE(equal(cloud, bare));
   EXPECT_TRUE(clean(cloud).cleaned);
 }
@@ -176,7 +177,10 @@ TEST(Clean, leaves_voxelised_surfaces_as_they_are) {
   PointCloud voxels;
   for (const auto& [x, y, z] : cells) voxels.positions.emplace_back(x, y, z);
   PointCloud cloud = voxels;
-  EXPECT_FALSE(clean(cloud).cleaned);
+  const CleanReport report = clean(cloud);
+  EXPECT_FALSE(report.cleaned);
+  EXPECT_EQ(report.why, NotCleaned::voxelised);
+  EXPECT_EQ(report.spacing, 0.0) << "what fills its voxels need not be measured";
   EXPECT_TRUE(equal(cloud, voxels));
 }
 

@@ -158,15 +158,18 @@ TEST_F(CloudFile, missing_numbers_of_frames_are_named_and_their_time_can_be_kept
   auto sequence = list_cloud_frames({folder_.path()});
   ASSERT_TRUE(sequence) << sequence.error().message;
   EXPECT_THAT(sequence->warnings,
-              ElementsAre(HasSubstr("3 frames are missing by their numbers: 4 to 5, 8")));
+              ElementsAre(HasSubstr("judging by their numbers, 3 frames are missing: 4 to 5, 8")));
   EXPECT_THAT(sequence->times_us, testing::IsEmpty());
   sequence->keep_gaps(10.0);
   EXPECT_THAT(sequence->times_us, ElementsAre(0, 100'000, 200'000, 500'000, 600'000, 800'000));
   EXPECT_EQ(sequence->end_us(), 900'000u);
+  EXPECT_EQ(sequence->fps, 10.0) << "also where most intervals are gaps";
   EXPECT_THAT(sequence->warnings, ElementsAre(testing::EndsWith(": 4 to 5, 8")));
   fs::remove(folder_ / "f9.ply");
   for (const char* name : {"f4.ply", "f5.ply"}) write(name, kPly);
   EXPECT_THAT(list_cloud_frames({folder_.path()})->warnings, testing::IsEmpty());
+  EXPECT_THAT(list_cloud_frames({folder_.path()}, {.topic = "/points"})->warnings,
+              ElementsAre("--topic is not used: there is no MCAP recording"));
 }
 
 TEST_F(CloudFile, times_that_are_not_believed_are_named) {

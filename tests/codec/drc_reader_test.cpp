@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <set>
+#include <string>
 #include <tuple>
 
 #include <draco/compression/expert_encode.h>
@@ -56,8 +57,8 @@ Bytes encoded(const Geometry& geometry, int method, int position_bits = 0, int s
   return Bytes(buffer.data(), buffer.data() + buffer.size());
 }
 
-PointCloud read_ok(const Bytes& bytes) {
-  const auto cloud = read_drc(bytes);
+PointCloud read_ok(const Bytes& bytes, std::vector<std::string>* unread = nullptr) {
+  const auto cloud = read_drc(bytes, {}, unread);
   EXPECT_TRUE(cloud) << (cloud ? "" : cloud.error().message);
   return cloud ? *cloud : PointCloud{};
 }
@@ -148,7 +149,9 @@ TEST(DrcReader, joins_vertices_that_texture_seams_split) {
   const auto mesh = sheet(9, true);
   ASSERT_GT(mesh->num_points(), 300u) << "the mesh of this test has no seams";
   for (int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
-    EXPECT_EQ(read_ok(encoded(*mesh, method)).size(), 81u);
+    std::vector<std::string> unread;
+    EXPECT_EQ(read_ok(encoded(*mesh, method), &unread).size(), 81u);
+    EXPECT_EQ(unread, std::vector<std::string>{"texture coordinates"});
     EXPECT_EQ(read_ok(encoded(*mesh, method, 14)).size(), 81u);
   }
 }
@@ -240,13 +243,15 @@ TEST(DrcReader, reads_colours_of_every_kind) {
             glm::u16vec3(25700));
 }
 
-TEST(DrcReader, reads_normals_and_ignores_generic_attributes) {
+TEST(DrcReader, reads_normals_and_names_what_it_does_not_read) {
   auto cloud = corners();
   Rows normals(kCorners.size(), {0, 0.6f, 0.8f});
   add<float, 3>(*cloud, GeometryAttribute::NORMAL, draco::DT_FLOAT32, false, normals);
   add<std::uint8_t, 1>(*cloud, GeometryAttribute::GENERIC, draco::DT_UINT8, false,
                        {{1}, {2}, {3}, {4}, {5}});
-  const PointCloud raw = read_ok(encoded(*cloud, draco::POINT_CLOUD_SEQUENTIAL_ENCODING));
+  std::vector<std::string> unread;
+  const PointCloud raw = read_ok(encoded(*cloud, draco::POINT_CLOUD_SEQUENTIAL_ENCODING), &unread);
+  EXPECT_EQ(unread, std::vector<std::string>{"generic attribute"});
   ASSERT_TRUE(raw.has_normals());
   EXPECT_EQ(raw.normals[2], glm::vec3(0, 0.6f, 0.8f));
   EXPECT_FALSE(raw.has_colors());

@@ -53,6 +53,7 @@ TEST(HttpFolder, printed_addresses_have_no_secrets) {
   EXPECT_EQ(without_secrets("https://me:pass@host/a@b"), "https://host/a@b");
   EXPECT_EQ(without_secrets("https://me:pass@host"), "https://host");
   EXPECT_EQ(without_secrets("https://host/reel"), "https://host/reel");
+  EXPECT_EQ(without_secrets("folder/what?.reel"), "folder/what?.reel");
 }
 
 }  // namespace

@@ -235,6 +235,32 @@ PointCloud estimated(std::vector<glm::vec3> positions) {
   return cloud;
 }
 
+TEST(Normals, of_points_that_lack_them_are_completed_and_the_others_kept) {
+  for (const std::size_t lacking : {1u, 60u, 700u}) {
+    Surface surface = torus(20'000);
+    PointCloud& cloud = surface.cloud;
+    for (const glm::dvec3& normal : surface.normals) cloud.normals.emplace_back(normal);
+    const std::size_t step = cloud.size() / lacking;
+    for (std::size_t k = 0; k < lacking; ++k) cloud.normals[k * step] = glm::vec3(0.0f);
+    complete_normals(cloud);
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const glm::vec3 truth(surface.normals[i]);
+      const bool completed = i % step == 0 && i / step < lacking;
+      EXPECT_GT(glm::dot(cloud.normals[i], truth), completed ? 0.97f : 0.99999f) << lacking;
+    }
+  }
+  // Where those around a point do not agree, as on two sides of a sheet, all are estimated.
+  PointCloud sheet;
+  for (int i = 0; i < 800; ++i) {
+    sheet.positions.emplace_back(i / 2 % 20, i / 40, 0.01f * static_cast<float>(i % 2));
+    sheet.normals.emplace_back(0.0f, 0.0f, i % 2 == 0 ? -1.0f : 1.0f);
+  }
+  sheet.normals[405] = glm::vec3(0.0f);
+  const glm::vec3 expected = estimated(sheet.positions).normals[405];
+  complete_normals(sheet);
+  EXPECT_EQ(sheet.normals[405], expected);
+}
+
 TEST(Normals, are_unknown_if_no_plane_fits) {
   EXPECT_TRUE(estimated({}).empty());
   const glm::vec3 unknown(0.0f);

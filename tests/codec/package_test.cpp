@@ -177,6 +177,15 @@ TEST(Manifest, tells_when_it_was_captured) {
     EXPECT_THAT(error_with({{"captured_us", wrong}}), HasSubstr("captured_us")) << wrong;
 }
 
+TEST(Manifest, says_whether_normals_were_estimated) {
+  for (const bool estimated : {false, true}) {
+    Manifest m = example();
+    m.normals_estimated = estimated;
+    EXPECT_EQ(parse_manifest(write_manifest(m))->normals_estimated, estimated);
+  }
+  EXPECT_THAT(error_with({{"normals_estimated", 1}}), HasSubstr("normals_estimated"));
+}
+
 TEST(Manifest, points_up_along_any_axis) {
   Manifest m = example();
   for (const char* name : {"x", "-x", "y", "-y", "z", "-z"}) {

@@ -65,6 +65,24 @@ TEST(TextPoints, points_at_zero_cost_the_others_no_digits_however_many_they_are)
   }
 }
 
+TEST(TextPoints, small_objects_far_from_zero_keep_their_shape) {
+  for (const double edge : {1e-3, 1e-5, 1e-9}) {
+    std::string text;
+    const auto at = [edge](int i) {
+      return glm::dvec3(8.5417 + edge * (i % 10), 47.3769 + edge * (i / 10 % 10), edge * (i / 100));
+    };
+    for (int i = 0; i < 1000; ++i) {
+      const glm::dvec3 p = at(i);
+      text += fmt::format("{:.17g} {:.17g} {:.17g}\n", p.x, p.y, p.z);
+    }
+    const Result<PointCloud> cloud = read(text);
+    ASSERT_TRUE(cloud) << cloud.error().message;
+    for (std::size_t i = 0; i < cloud->size(); ++i)
+      EXPECT_LT(glm::distance(cloud->world(i), at(static_cast<int>(i))), 1e-5 * edge + 2e-14)
+          << edge << ' ' << i;
+  }
+}
+
 TEST(TextPoints, numbers_may_be_separated_by_commas_semicolons_and_blanks) {
   for (const std::string text :
        {"1 2.5 3\n4 5 6\n", "  1\t2.5   3 \r\n4\t5\t6", "1,2.5,3\n4,5,6\n",
@@ -193,6 +211,40 @@ TEST(TextPoints, given_columns_hold_and_must_be_as_many) {
               HasSubstr("--columns names them"));
   EXPECT_THAT(read_as("1 2 3 4 5\n", {"x", "y", "z"}).error().message,
               HasSubstr("line 1: has 5 columns, but is to be read as x y z; --columns"));
+}
+
+TEST(TextPoints, the_last_cell_may_be_empty_where_columns_have_names) {
+  for (const char* text :
+       {"x,y,z,heat\n0,0,0,5\n1,0,0,\n2,0,0,7\n", "x,y,z,heat\n1,0,0,\n0,0,0,5\n2,0,0,7\n"}) {
+    std::vector<std::string> unread;
+    const Result<PointCloud> cloud = read(text, &unread);
+    ASSERT_TRUE(cloud) << cloud.error().message;
+    ASSERT_EQ(cloud->scalars.size(), 1u);
+    const std::vector<float>& heat = cloud->scalars[0].values;
+    ASSERT_EQ(heat.size(), 3u);
+    EXPECT_EQ(std::ranges::count_if(heat, [](float v) { return std::isnan(v); }), 1);
+    EXPECT_EQ(heat[2], 7.0f);
+    EXPECT_THAT(unread, testing::IsEmpty());
+  }
+  EXPECT_EQ(error_of("x,y,z\n1,2,3\n1,2,\n"), "line 3: has 2 columns, but the first point has 3");
+}
+
+TEST(TextPoints, large_numbers_that_differ_little_are_a_warning) {
+  std::string text = "x,y,z,time,number,constant\n";
+  for (int i = 0; i < 200; ++i)
+    text += fmt::format("{},0,0,{:.4f},{},0.8\n", i, 1.7e9 + 0.0005 * i, 1000 + i);
+  ReadNotes notes;
+  ASSERT_TRUE(read_text_points(ByteSource(view(text)), {}, notes));
+  EXPECT_THAT(notes.warnings,
+              testing::ElementsAre("the scalar field time, from 1700000000 to 1700000000.1, is off "
+                                   "by up to 0.0995, because it is kept in 32 bits: subtract an "
+                                   "offset from it before"));
+}
+
+TEST(TextPoints, columns_of_words_are_named) {
+  std::vector<std::string> unread;
+  ASSERT_TRUE(read("x,y,z,label,heat\n0,0,0,wall,1\n1,0,0,floor,2\n", &unread));
+  EXPECT_THAT(unread, testing::ElementsAre("label (words)"));
 }
 
 TEST(TextPoints, columns_that_only_later_lines_have_are_a_warning) {

@@ -16,6 +16,7 @@
 #include "codec/video/video_group.h"
 #include "codec/video_encode/video_encoder.h"
 #include "pointreel/cloud.h"
+#include "tests/pointers_to.h"
 
 namespace pointreel::video_test {
 namespace {
@@ -71,7 +72,7 @@ const std::vector<PointCloud>& frames() {
 }
 const std::vector<Chunks<Bytes>>& encoded() {
   static const std::vector<Chunks<Bytes>> all =
-      encode_video_group(frames(), kCorner, options()).value();
+      encode_video_group(pointers_to(frames()), kCorner, options()).value();
   return all;
 }
 
@@ -176,7 +177,7 @@ TEST(Video, encodes_many_points_at_one_place_in_time_that_grows_with_them) {
   cloud.positions.resize(surface + 300'000, glm::vec3(0.2f, 0.3f, 0.4f));
   cloud.normals.resize(cloud.positions.size(), glm::vec3(1.0f, 0.0f, 0.0f));
   cloud.colors.resize(cloud.positions.size());
-  const auto chunks = encode_video_group({&cloud, 1}, kCorner, options());
+  const auto chunks = encode_video_group(pointers_to({&cloud, 1}), kCorner, options());
   ASSERT_TRUE(chunks) << chunks.error().message;
   VideoDecoder decoder;
   EXPECT_GT(points_of(decoder.next(view(chunks->front())).value())->size(), surface / 3);
@@ -226,7 +227,7 @@ TEST(Video, is_the_same_from_any_number_of_threads) {
   many.executor = [](int count, const std::function<void(int)>& body) {
     for (int i = count; i-- > 0;) body(i);
   };
-  EXPECT_EQ(encode_video_group(frames(), kCorner, many).value(), encoded());
+  EXPECT_EQ(encode_video_group(pointers_to(frames()), kCorner, many).value(), encoded());
 }
 
 TEST(Video, begins_with_the_first_frame_of_a_group_and_goes_on_in_order) {
@@ -272,20 +273,39 @@ TEST(Video, pictures_that_take_too_much_memory_are_refused_first) {
   EXPECT_EQ(refused.error().code, ErrorCode::limit);
 }
 
+TEST(Video, memory_is_counted_by_the_points_and_not_as_if_pictures_were_full) {
+  VideoFrameReader reader;
+  const VideoGroup group = *reader.next(view(encoded()[0])).value().group;
+  const std::uint64_t points =
+      points_of(VideoDecoder().next(view(encoded()[0])).value()).value().size();
+  ASSERT_LT(5 * points, 3 * group.pixels());
+  DecodeLimits limits;
+  limits.max_memory = 64 * group.pixels() + 90 * points;
+  EXPECT_TRUE(VideoDecoder().next(view(encoded()[0]), limits));
+  limits.max_memory = 64 * group.pixels() + 40 * points;
+  const auto refused = VideoDecoder().next(view(encoded()[0]), limits);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::limit);
+}
+
 TEST(Video, options_out_of_range_and_clouds_without_normals_are_refused) {
   VideoOptions wrong = options();
   wrong.depth_quantizer = 64;
-  EXPECT_EQ(encode_video_group(frames(), kCorner, wrong).error().code, ErrorCode::argument);
+  EXPECT_EQ(encode_video_group(pointers_to(frames()), kCorner, wrong).error().code,
+            ErrorCode::argument);
   std::vector<PointCloud> bare{frames()[0]};
   bare[0].normals.clear();
-  EXPECT_EQ(encode_video_group(bare, kCorner, options()).error().code, ErrorCode::argument);
+  EXPECT_EQ(encode_video_group(pointers_to(bare), kCorner, options()).error().code,
+            ErrorCode::argument);
   EXPECT_EQ(encode_video_group({}, kCorner, options()).error().code, ErrorCode::argument);
   std::vector<PointCloud> mixed{frames()[0], frames()[1]};
   mixed[1].colors.clear();
-  EXPECT_EQ(encode_video_group(mixed, kCorner, options()).error().code, ErrorCode::argument);
+  EXPECT_EQ(encode_video_group(pointers_to(mixed), kCorner, options()).error().code,
+            ErrorCode::argument);
   VideoOptions tiny = options();
   tiny.pitch = 1e-31;
-  EXPECT_EQ(encode_video_group(frames(), kCorner, tiny).error().code, ErrorCode::limit);
+  EXPECT_EQ(encode_video_group(pointers_to(frames()), kCorner, tiny).error().code,
+            ErrorCode::limit);
 }
 
 TEST(Video, points_that_no_view_holds_are_kept) {
@@ -296,7 +316,7 @@ TEST(Video, points_that_no_view_holds_are_kept) {
     clouds[0].normals.emplace_back(0.0f, -1.0f, 0.0f);
     clouds[0].colors.emplace_back(0, 0, 0);
   }
-  const auto chunks = encode_video_group(clouds, kCorner, options());
+  const auto chunks = encode_video_group(pointers_to(clouds), kCorner, options());
   ASSERT_TRUE(chunks) << chunks.error().message;
   VideoDecoder decoder;
   const PointCloud cloud = points_of(decoder.next(view((*chunks)[0])).value()).value();
@@ -317,7 +337,7 @@ TEST(Video, a_frame_of_nothing_but_single_points_keeps_their_colours) {
     clouds[0].normals.emplace_back(0.0f, -1.0f, 0.0f);
     clouds[0].colors.emplace_back(257 * 200, 257 * 40, 257 * 30);
   }
-  const auto chunks = encode_video_group(clouds, kCorner, options());
+  const auto chunks = encode_video_group(pointers_to(clouds), kCorner, options());
   ASSERT_TRUE(chunks) << chunks.error().message;
   VideoDecoder decoder;
   const PointCloud cloud = points_of(decoder.next(view((*chunks)[0])).value()).value();
@@ -330,7 +350,7 @@ TEST(Video, an_empty_frame_is_a_frame_without_points) {
   std::vector<PointCloud> clouds(2);
   clouds[0] = frames()[0];
   clouds[1].origin = kCorner;
-  const auto chunks = encode_video_group(clouds, kCorner, options());
+  const auto chunks = encode_video_group(pointers_to(clouds), kCorner, options());
   ASSERT_TRUE(chunks) << chunks.error().message;
   VideoDecoder decoder;
   EXPECT_FALSE(points_of(decoder.next(view((*chunks)[0])).value()).value().empty());

@@ -160,10 +160,14 @@ TEST(WebSocket, the_status_of_a_refusing_server_is_reported) {
 }
 
 TEST(WebSocket, a_server_that_does_not_answer_may_use_tls) {
-  const Peer peer([](tcp::socket&, http::request<http::string_body>&) {});
-  const auto socket = WebSocket::connect(peer.url());
-  ASSERT_FALSE(socket);
-  EXPECT_THAT(socket.error().message, HasSubstr("if the server uses TLS, use wss://"));
+  for (const bool resets : {false, true}) {
+    const Peer peer([resets](tcp::socket& socket, http::request<http::string_body>&) {
+      socket.set_option(tcp::socket::linger(resets, 0));
+    });
+    const auto socket = WebSocket::connect(peer.url());
+    ASSERT_FALSE(socket);
+    EXPECT_THAT(socket.error().message, HasSubstr("if the server uses TLS, use wss://"));
+  }
 }
 
 TEST(WebSocket, connecting_to_a_closed_port_fails_at_once) {

@@ -62,7 +62,7 @@ TEST_F(Depth, a_folder_of_pictures_is_packed_and_played_upright) {
   EXPECT_EQ(summary["frames"], kFrames);
   EXPECT_GT(summary["points"], kFrames * 320 * 240 * 9 / 10);
   EXPECT_EQ(summary["warnings"].size(), 0u) << packed.out;
-  EXPECT_THAT(run("pointreel-server", {"verify", reel()}).out, HasSubstr("good"));
+  EXPECT_THAT(run("pointreel-server", {"verify", reel()}).out, HasSubstr(": OK, "));
   EXPECT_THAT(run("pointreel-server", {"info", reel()}).out,
               AllOf(HasSubstr("colors yes, normals yes"), HasSubstr("up y")));
   // The pictures of a folder without times are played at 30 a second.

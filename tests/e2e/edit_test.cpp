@@ -166,6 +166,24 @@ TEST_F(EditRecordings, pieces_that_a_crash_has_left_are_joined_and_cut_with_thei
     EXPECT_NE(refused.exit_code, 0) << wrong.back();
     EXPECT_FALSE(fs::exists(path("no"))) << wrong.back();
   }
+
+  // From a server that asks for a token.
+  Background guarded("pointreel-server", {"serve", path("by-time"), "--view-token", "secret",
+                                          "--listen", "127.0.0.1:0"});
+  const std::string reel = "http://" + server_address(guarded) + "/by-time";
+  for (std::vector<std::string> asked : std::vector<std::vector<std::string>>{
+           {"info", reel},
+           {"verify", reel},
+           {"unpack", reel, path("frames-of-server")},
+           {"cut", reel, path("cut-of-server"), "--until", "0.2"},
+           {"join", reel, reel, "-o", path("joined-of-server")}}) {
+    const Outcome refused = command(asked);
+    EXPECT_NE(refused.exit_code, 0) << asked.front();
+    EXPECT_THAT(refused.err, HasSubstr("give it with --token"));
+    asked.insert(asked.end(), {"--token", "secret"});
+    const Outcome done = command(asked);
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+  }
 }
 
 }  // namespace

@@ -167,7 +167,7 @@ TEST_F(FanOutTest, each_side_of_a_relay_has_its_own_token_and_streams_their_own_
   const auto refused = WebSocket::connect(from(1) + "/paris-stage", with_upper_token);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::refused);
-  EXPECT_TRUE(logs(2, "answers 401"));
+  EXPECT_TRUE(logs(2, "answers 401: it requires a valid token; give it with --relay-token"));
   EXPECT_EQ(RawHttpClient(port_of(addresses_[2])).get("/live/lyon/reel.json").status, 404);
 }
 

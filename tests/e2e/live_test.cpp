@@ -288,6 +288,17 @@ TEST(Live, a_viewer_without_the_token_is_refused_and_gives_up) {
     EXPECT_THAT(refused.err, testing::Not(testing::HasSubstr("trying again")));
     EXPECT_THAT(refused.err, testing::Not(testing::HasSubstr("waiting")));
   }
+  // Not to be taken for a wrong token, or for a stream that nobody publishes.
+  for (const auto& [program, arguments] :
+       {std::pair{"pointreel", std::vector<std::string>{"play", "--offscreen", "64x64"}},
+        std::pair{"pointreel-server",
+                  std::vector<std::string>{"publish", "--input", "-", "--to"}}}) {
+    std::vector<std::string> without_live = arguments;
+    without_live.push_back("ws://" + address + "/stage");
+    const Outcome wrong = run(program, without_live);
+    EXPECT_NE(wrong.exit_code, 0);
+    EXPECT_THAT(wrong.err, testing::HasSubstr("does not end in /live/ and a stream's name"));
+  }
 }
 
 }  // namespace

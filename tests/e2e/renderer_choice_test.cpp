@@ -37,7 +37,8 @@ class RendererChoiceTest : public testing::Test {
       std::ofstream(folder_ / "broken" / name);
   }
 
-  Outcome play(const std::string& renderer, bool with_opengl) {
+  Outcome play(const std::string& renderer, bool with_opengl,
+               const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments = {"-c",           "exec \"$@\"",
                                           "sh",           program_folder() / "pointreel",
                                           "play",         (folder_ / "frames").string(),
@@ -45,6 +46,7 @@ class RendererChoiceTest : public testing::Test {
                                           "--offscreen",  "160x120",
                                           "--json",       "-",
                                           "--screenshot", (folder_ / "picture.png").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
     if (!with_opengl)
       arguments[1] = "LD_LIBRARY_PATH=" + (folder_ / "broken").string() + " exec \"$@\"";
     return run("/bin/sh", arguments);
@@ -71,6 +73,14 @@ TEST_F(RendererChoiceTest, says_what_to_do_where_opengl_is_asked_for_and_missing
   const Outcome outcome = play("opengl", false);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("--renderer software"));
+}
+
+TEST_F(RendererChoiceTest, says_that_instancing_does_nothing_without_opengl) {
+  const Outcome without = play("auto", false, {"--instancing", "texture"});
+  EXPECT_EQ(without.exit_code, 0) << without.err;
+  EXPECT_THAT(without.err, HasSubstr("--instancing texture is a way of OpenGL"));
+  EXPECT_EQ(play("auto", false).err, "");
+  EXPECT_EQ(play("opengl", true, {"--instancing", "texture"}).err, "");
 }
 
 TEST_F(RendererChoiceTest, takes_the_renderer_that_is_asked_for) {

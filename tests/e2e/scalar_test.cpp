@@ -85,7 +85,7 @@ TEST_F(Scalars, are_listed_with_their_ranges) {
   EXPECT_THAT(
       run("pointreel-server", {"info", reel()}).out,
       testing::AllOf(HasSubstr("heat, -10.5 to 30.25"), HasSubstr("class, 2 to 6, labels")));
-  EXPECT_THAT(run("pointreel-server", {"verify", reel()}).out, HasSubstr("good"));
+  EXPECT_THAT(run("pointreel-server", {"verify", reel()}).out, HasSubstr(": OK, "));
 }
 
 TEST_F(Scalars, are_shown_by_their_values_by_every_renderer_and_in_every_mode) {
@@ -131,6 +131,17 @@ TEST_F(Scalars, that_are_not_there_are_an_error_that_names_the_others) {
       run("pointreel", {"play", reel(), "--offscreen", "64x64", "--at", "0", "--color", "head"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("there are heat, class"));
+}
+
+TEST_F(Scalars, warns_of_steps_that_are_of_no_use) {
+  const Outcome packed =
+      run("pointreel-server", {"pack", (folder_ / "in").string(), reel(), "--force",
+                               "--scalar-step", "Heat=1", "--scalar-step", "class=0.00001"});
+  EXPECT_EQ(packed.exit_code, 0);
+  EXPECT_THAT(packed.err, HasSubstr("--scalar-step Heat: no frame has such a scalar field; there "
+                                    "are heat, class"));
+  EXPECT_THAT(packed.err, HasSubstr("0.ply: --scalar-step class=1e-05: its values from 2 to 6 are "
+                                    "kept in steps of 0.00012207"));
 }
 
 TEST_F(Scalars, that_las_files_do_not_keep_are_named_in_one_line) {

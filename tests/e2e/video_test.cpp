@@ -126,8 +126,13 @@ TEST_F(Video, is_verified_unpacked_cut_and_joined) {
   EXPECT_EQ(frame_at(inner, 0), 2u);
   EXPECT_THAT(server({"info", path("inner")}).out, HasSubstr("6 frames (4 of them shown)"));
   EXPECT_THAT(server({"unpack", path("inner"), path("four")}).out, HasSubstr("4 frames"));
-  EXPECT_THAT(server({"cut", path("inner"), path("none"), "--frames", "0-1"}).err,
-              HasSubstr("of frames 0 to 1 none is shown"));
+  EXPECT_THAT(server({"unpack", path("inner"), path("two"), "--frames", "0-3"}).out,
+              HasSubstr("2 frames"));
+  for (const char* command : {"cut", "unpack"}) {
+    EXPECT_THAT(server({command, path("inner"), path("none"), "--frames", "0-1"}).err,
+                HasSubstr("of frames 0 to 1 none is shown"));
+    EXPECT_FALSE(std::filesystem::exists(path("none")));
+  }
   EXPECT_EQ(inner.duration_us, frame_time_us(manifest, 4));
 
   const std::string group = std::to_string(kGroup);
@@ -228,6 +233,15 @@ TEST_F(Video, a_frame_that_collapses_is_an_error_or_a_warning) {
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.err, HasSubstr("0.ply: its "));
   EXPECT_THAT(refused.err, HasSubstr("points collapse into pixels"));
+  EXPECT_THAT(refused.err, HasSubstr("some lie too far away, such as the point at 1000000 0 0.5"));
+
+  // No point of a sparse scan is to blame.
+  const Outcome made =
+      run("pointreel-synth", {"kick", "--points", "800", "--frames", "6", "-o", path("sparse")});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const Outcome few = server({"pack", path("sparse"), path("sparse.reel"), "--codec", "video"});
+  EXPECT_EQ(few.exit_code, 1) << few.out;
+  EXPECT_THAT(few.err, HasSubstr("because they are too few for video"));
 }
 
 TEST_F(Video, options_that_do_not_go_together_are_refused) {

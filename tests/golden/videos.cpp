@@ -13,6 +13,7 @@
 #include "tests/forge.h"
 #include "tests/golden/hash.h"
 #include "tests/golden/streams.h"
+#include "tests/pointers_to.h"
 
 namespace pointreel::golden {
 namespace {
@@ -65,7 +66,7 @@ Result<EncodedFrame> bowls(int frames, bool colors, bool lone_points = false) {
     if (lone_points) add_lone_points(clouds.back());
   }
   EncodedFrame group;
-  group.layers = TRY(encode_video_group(clouds, kCubeCorner, options));
+  group.layers = TRY(encode_video_group(pointers_to(clouds), kCubeCorner, options));
   return group;
 }
 

@@ -34,7 +34,7 @@ constexpr const char* kFooter =
   pointreel-link --to 127.0.0.1:8090 --port 8091 --rate 20M --delay 25
   pointreel play http://127.0.0.1:8091/NAME
 
-Exit codes: 0 ended by a signal, 1 failure, 2 wrong usage.)";
+Exit status: 0 ended by a signal, 1 failure, 2 wrong usage.)";
 
 int report(const pointreel::Error& error) {
   pointreel::print_error("pointreel-link", error.message);

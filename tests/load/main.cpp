@@ -19,7 +19,7 @@ int run(int argc, char** argv) {
       "Simulates many viewers of a package or a live stream and measures how late their frames "
       "arrive. The viewers decode nothing.",
       "pointreel-load"};
-  app.footer("Exit codes: 0 success, 1 failure or a broken connection, 2 wrong usage.");
+  app.footer("Exit status: 0 success, 1 failure or a broken connection, 2 wrong usage.");
   pointreel::LoadOptions options;
   bool json = false;
   app.add_option("url", options.url,

@@ -34,6 +34,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 
+constexpr std::uint64_t kTenSeconds = 10'000'000;
+
 double tone(std::uint32_t n, double rate) {
   return 0.5 * std::sin(2.0 * std::numbers::pi * 440.0 * n / rate);
 }
@@ -129,6 +131,27 @@ TEST_F(AudioPackage, is_packed_with_sound_as_long_as_its_frames) {
   EXPECT_LT(error, 0.01 * power);
 }
 
+TEST_F(AudioPackage, tells_how_much_of_the_source_was_cut_off) {
+  const auto cut = pack_with(sound());
+  ASSERT_TRUE(cut) << cut.error().message;
+  ASSERT_TRUE(cut->audio);
+  EXPECT_EQ(encoded_audio_text(*cut->audio), "0.2 s of 1 s (the rest was cut off)");
+  for (const char* name : {"a.flac", "a.mp3", "a.ogg"}) {
+    write_wav(sound(), 44'100, 5 * 44'100, [](std::uint32_t n) { return tone(n, 44'100.0); });
+    const auto known = write_audio(converted(sound(), name), folder(), 500'000);
+    ASSERT_TRUE(known) << known.error().message;
+    EXPECT_TRUE(known->cut_off) << name;
+    ASSERT_TRUE(known->source_us) << name;
+    EXPECT_NEAR(static_cast<double>(*known->source_us), 5e6, 1e5) << name;
+  }
+  const auto unknown = write_audio(converted(sound(), "a.mka"), folder(), 500'000);
+  ASSERT_TRUE(unknown) << unknown.error().message;
+  EXPECT_EQ(encoded_audio_text(*unknown), "0.5 s (the rest was cut off)");
+  const auto whole = write_audio(sound(), folder(), kTenSeconds);
+  ASSERT_TRUE(whole) << whole.error().message;
+  EXPECT_EQ(encoded_audio_text(*whole), "5 s");
+}
+
 TEST_F(AudioPackage, has_as_many_samples_for_ffmpeg) {
   ASSERT_TRUE(pack_with(sound()));
   const std::string command = "ffmpeg -v error -i '" + (reel() / manifest().audio->path).string() +
@@ -208,8 +231,6 @@ TEST_F(AudioPackage, stays_as_it_is_if_the_source_has_no_sound) {
   EXPECT_EQ(contents(reel()), before);
 }
 
-constexpr std::uint64_t kTenSeconds = 10'000'000;
-
 // ffmpeg ends well where a file does not.
 TEST_F(AudioPackage, gets_no_sound_that_is_cut_off) {
   write_wav(sound(), 44'100, 5 * 44'100, [](std::uint32_t n) { return tone(n, 44'100.0); });
@@ -218,7 +239,7 @@ TEST_F(AudioPackage, gets_no_sound_that_is_cut_off) {
     const fs::path file = converted(sound(), name);
     const auto whole = write_audio(file, folder(), kTenSeconds);
     ASSERT_TRUE(whole) << whole.error().message;
-    EXPECT_NEAR(static_cast<double>(whole->samples), 5.0 * kAudioRate, 0.1 * kAudioRate);
+    EXPECT_NEAR(static_cast<double>(whole->file.samples), 5.0 * kAudioRate, 0.1 * kAudioRate);
     fs::resize_file(file, fs::file_size(file) / 2);
     const auto cut = write_audio(file, folder(), kTenSeconds);
     ASSERT_FALSE(cut);

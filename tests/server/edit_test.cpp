@@ -14,13 +14,14 @@
 #include <gtest/gtest.h>
 
 #include "codec/audio/opus_reader.h"
+#include "codec/segments/append_manifest.h"
 #include "common/process/ffmpeg.h"
 #include "server/edit/cut_package.h"
 #include "server/edit/join_packages.h"
 #include "server/edit/splice_sound.h"
 #include "server/inspect/inspect.h"
-#include "server/pack/append_manifest.h"
 #include "tests/packed_reel.h"
+#include "tests/read_file.h"
 #include "tests/server/recorder_test.h"
 #include "tests/tone.h"
 
@@ -163,6 +164,17 @@ TEST_F(Edit, a_cut_has_exactly_the_frames_from_time_0_on) {
   }
 }
 
+TEST_F(Edit, a_cut_may_have_frames_without_points_alone) {
+  for (int i = 5; i <= 9; ++i)
+    ASSERT_TRUE(write_ply(frames_ / ("frame" + std::to_string(i) + ".ply"), PointCloud()));
+  const fs::path reel = pack_as("reel", layered_options());
+  const auto report = cut(reel, "cut", 5, 7);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_THAT(faults_of(at("cut")), IsEmpty());
+  EXPECT_TRUE(read_manifest(at("cut"))->bounds.empty());
+  EXPECT_EQ(error(join({"reel", "cut"}, "joined")), "");
+}
+
 TEST_F(Edit, a_cut_links_whole_segments) {
   const fs::path reel = pack_as("reel", layered_options());
   const auto report = cut(reel, "cut", 3, 11);
@@ -245,8 +257,7 @@ TEST_F(Edit, a_part_that_is_not_there_is_refused_and_nothing_is_written) {
   const auto late = cut_package(
       {.input = reel, .output = at("cut"), .frames = {}, .from_us = 1'000'000, .to_us = 2'000'000});
   ASSERT_FALSE(late);
-  EXPECT_EQ(late.error().message,
-            reel.string() + ": is over after 0.666667 s, and nothing is left from 1 s on");
+  EXPECT_EQ(late.error().message, reel.string() + ": ends at 0.667 s, before --from 1");
   EXPECT_FALSE(fs::exists(at("cut")));
   fs::create_directory(at("cut"));
   write_file(at("cut") / "mine", "mine");
@@ -284,6 +295,20 @@ TEST_F(Edit, packages_that_do_not_go_together_are_refused_in_one_line) {
   other.train = true;
   EXPECT_EQ(refusal(other), "the two reels have different context tables");
   EXPECT_FALSE(fs::exists(at("joined")));
+}
+
+TEST_F(Edit, a_part_of_a_damaged_file_does_not_look_good_afterwards) {
+  const fs::path reel = pack_as("reel", options());
+  const LayerFile file = read_manifest(reel).value().segments[2].layers[0];
+  std::string bytes = read_file(reel / file.path);
+  bytes.back() = static_cast<char>(bytes.back() + 1);
+  fs::remove(reel / file.path);
+  write_file(reel / file.path, bytes);
+  const std::uint32_t first = read_manifest(reel).value().segments[2].first_frame;
+  const auto part = cut(reel, "part", first, first);
+  ASSERT_FALSE(part);
+  EXPECT_THAT(part.error().message, HasSubstr((reel / file.path).string() + ": has the checksum"));
+  EXPECT_FALSE(fs::exists(at("part")));
 }
 
 TEST_F(Edit, files_of_another_size_and_damaged_manifests_are_refused) {
@@ -386,6 +411,23 @@ TEST_F(EditSound, is_cut_to_the_sample) {
     ASSERT_EQ(sound.size(), to - from);
     EXPECT_LT(difference(whole, from, sound, 0, sound.size()), 1e-3) << first;
     fs::remove_all(at("cut"));
+  }
+}
+
+TEST_F(EditSound, has_the_length_that_is_stated_wherever_pieces_end) {
+  CutOptions first{.input = at("reel"), .output = at("first")};
+  first.from_us = 112'200;
+  first.to_us = 478'700;
+  ASSERT_TRUE(cut_package(first));
+  for (std::uint64_t i = 0; i < 60; ++i) {
+    CutOptions last{.input = at("reel"), .output = at("last")};
+    last.from_us = 501'300 + 10'130 * i;
+    last.to_us = last.from_us + 2'000 + 9'370 * i % 29'000;
+    ASSERT_TRUE(cut_package(last)) << i;
+    ASSERT_TRUE(join({"first", "last"}, "joined"));
+    EXPECT_THAT(faults_of(at("joined")), IsEmpty()) << i;
+    fs::remove_all(at("last"));
+    fs::remove_all(at("joined"));
   }
 }
 

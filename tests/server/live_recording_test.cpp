@@ -9,10 +9,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 
 #include "codec/core/reel_rules.h"
 #include "codec/live/live_sound.h"
 #include "codec/package/manifest.h"
+#include "common/file_system/descriptor.h"
+#include "common/file_system/lock_folder.h"
+#include "common/file_system/write_file.h"
 #include "pointreel/chunks.h"
 #include "pointreel/draco.h"
 #include "pointreel/package.h"
@@ -126,6 +130,63 @@ TEST_F(RecorderTest, sound_is_part_of_the_package_and_goes_on_when_the_publisher
   recorder.end();
   EXPECT_THAT(faults(package("stage-2"), frames), IsEmpty());
   EXPECT_FALSE(read_manifest(package("stage-2")).value().audio);
+}
+
+TEST_F(RecorderTest, a_package_is_locked_until_its_publisher_has_left) {
+  LiveRecorder recorder(options());
+  const auto is_locked = [&] { return Descriptor(lock_folder(package(), LOCK_NB)).get() < 0; };
+  recorder.hello(real_hello(1));
+  give_frames(recorder, 0, 12);
+  EXPECT_TRUE(is_locked());
+  recorder.end();
+  EXPECT_FALSE(is_locked());
+  recorder.hello(real_hello(1));
+  give_frames(recorder, 12, 12);
+  EXPECT_TRUE(is_locked());
+  recorder.end();
+  std::uint32_t frames = 0;
+  EXPECT_THAT(faults(package(), frames), IsEmpty());
+  EXPECT_EQ(frames, 24u);
+}
+
+TEST_F(RecorderTest, what_was_changed_while_the_publisher_was_away_is_not_touched) {
+  LiveRecorder recorder(options());
+  recorder.hello(real_hello(1));
+  give_frames(recorder, 0, 4);
+  recorder.end();
+  Manifest changed = read_manifest(package()).value();
+  changed.name = "changed";
+  ASSERT_TRUE(replace_file(package() / kManifestName, write_manifest(changed)));
+  recorder.hello(real_hello(1));
+  give_frames(recorder, 4, 4);
+  recorder.end();
+  // Another program writes to this one.
+  const Descriptor lock(lock_folder(package("stage-2"), LOCK_NB));
+  ASSERT_GE(lock.get(), 0);
+  recorder.hello(real_hello(1));
+  give_frames(recorder, 8, 3);
+  recorder.end();
+  std::uint32_t frames = 0;
+  EXPECT_EQ(read_manifest(package())->name, "changed");
+  for (const auto& [name, count] : {std::pair{"stage", 4u}, {"stage-2", 4u}, {"stage-3", 3u}}) {
+    EXPECT_THAT(faults(package(name), frames), IsEmpty()) << name;
+    EXPECT_EQ(frames, count) << name;
+  }
+}
+
+TEST_F(RecorderTest, what_takes_the_place_of_a_growing_package_is_not_touched) {
+  LiveRecorder recorder(options());
+  recorder.hello(real_hello(1));
+  give_frames(recorder, 0, 12);
+  fs::rename(package(), package("moved"));
+  fs::create_directory(package());
+  give_frames(recorder, 12, 12);
+  recorder.end();
+  EXPECT_TRUE(fs::is_empty(package()));
+  std::uint32_t moved = 0, next = 0;
+  EXPECT_THAT(faults(package("moved"), moved), IsEmpty());
+  EXPECT_THAT(faults(package("stage-2"), next), IsEmpty());
+  EXPECT_EQ(moved + next, 24u);
 }
 
 TEST_F(RecorderTest, existing_packages_are_not_touched) {

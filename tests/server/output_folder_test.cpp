@@ -254,11 +254,12 @@ TEST(OutputFolder, many_programs_at_once_leave_one_whole_folder) {
   std::vector<std::jthread> programs;
   for (int i = 0; i < 8; ++i) {
     programs.emplace_back([&, i] {
-      for (int round = 0; round < 20; ++round) {
+      for (int round = 0; round < 100; ++round) {
         Result<OutputFolder> folder = OutputFolder::create(final, kReplaceAll);
         if (!folder) continue;
         write_file(folder->path() / "a", std::to_string(i));
         write_file(folder->path() / "b", std::to_string(i));
+        write_file(folder->path() / ("of-" + std::to_string(i)), "");
         if (round % 3 == 0) continue;
         EXPECT_TRUE(folder->publish() || fs::exists(final));
       }
@@ -266,6 +267,7 @@ TEST(OutputFolder, many_programs_at_once_leave_one_whole_folder) {
   }
   programs.clear();
   EXPECT_EQ(read_text(final / "a"), read_text(final / "b"));
+  EXPECT_THAT(names_in(final), ElementsAre("a", "b", "of-" + read_text(final / "a")));
   EXPECT_THAT(names_in(parent.path()), ElementsAre("out"));
 }
 

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <sstream>
 #include <string>
 
@@ -7,8 +8,11 @@
 
 #include "codec/package/manifest.h"
 #include "common/command_line/command.h"
+#include "common/process/ffmpeg.h"
+#include "server/commands/bit_rates.h"
 #include "server/commands/commands.h"
 #include "tests/packed_reel.h"
+#include "tests/tone.h"
 
 namespace pointreel::pack_command_test {
 namespace {
@@ -105,6 +109,60 @@ TEST_F(PackCommand, reports_how_a_bit_rate_changed_each_segment) {
   const Outcome people = run_pack({"--segment", "2", "--force", "--bitrate", "20M"});
   EXPECT_THAT(people.out, HasSubstr("frames     2 to     3"));
   EXPECT_THAT(people.out, HasSubstr("error "));
+}
+
+TEST_F(PackCommand, tells_the_bit_rate_over_the_time_that_the_reel_lasts_as_info_does) {
+  write_frames(6);
+  for (const int missing : {3, 4, 5})
+    std::filesystem::remove(frames_ / ("frame" + std::to_string(missing) + ".ply"));
+  const Outcome packed = run_pack({"--keep-gaps", "--fps", "10", "--json"});
+  ASSERT_EQ(packed.code, kExitOk) << packed.errors;
+  const json summary = json::parse(packed.out);
+  EXPECT_NEAR(summary.at("duration_s"), 0.6, 1e-9) << "and not 0.3";
+  const json info = json::parse(run({"info", reel_.string(), "--json"}).out);
+  double bytes = 0.0;
+  for (const json& layer : info.at("layers")) bytes += layer.at("bytes").get<double>();
+  EXPECT_NEAR(summary.at("bits_per_second").at("frames"), 8.0 * bytes / 0.6, 1e-3);
+  EXPECT_EQ(summary.at("bits_per_second").at("audio"), 0.0);
+  EXPECT_EQ(info.at("bits_per_second"), summary.at("bits_per_second"));
+  const std::string rate = bit_rates_text({8.0 * bytes / 0.6, 0.0});
+  EXPECT_THAT(run({"info", reel_.string()}).out, HasSubstr(", " + rate + "\n"));
+  EXPECT_THAT(run_pack({"--keep-gaps", "--fps", "10", "--force"}).out,
+              HasSubstr("bit rate        " + rate + "\n"));
+}
+
+TEST_F(PackCommand, tells_what_became_of_the_sound) {
+  if (!is_installed("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+  write_frames(2);
+  const auto sound = folder_.path() / "a.wav";
+  write_wav(sound, 44'100, 44'100, [](std::uint32_t n) { return std::sin(0.05 * n); });
+  const Outcome told = run_pack({"--fps", "10", "--audio", sound.string()});
+  EXPECT_THAT(told.out, HasSubstr("sound           0.2 s of 1 s (the rest was cut off)\n"));
+  EXPECT_THAT(told.out, HasSubstr(" Mbit/s of sound\n"));
+  const json summary =
+      json::parse(run_pack({"--fps", "10", "--audio", sound.string(), "--force", "--json"}).out);
+  EXPECT_NEAR(summary.at("audio").at("duration_s"), 0.2, 1e-6);
+  EXPECT_NEAR(summary.at("audio").at("source_s"), 1.0, 1e-6);
+  EXPECT_TRUE(summary.at("audio").at("cut_off").get<bool>());
+  EXPECT_NEAR(summary.at("bits_per_second").at("audio"),
+              8.0 * summary.at("audio").at("bytes").get<double>() / 0.2, 1e-3);
+  EXPECT_TRUE(json::parse(run_pack({"--force", "--json"}).out).at("audio").is_null());
+}
+
+TEST(BitRates, tell_sound_apart_from_frames) {
+  EXPECT_EQ(bit_rates_text(bit_rates(500'000, 32'000, 2'000'000)),
+            "2 Mbit/s, and 0.128 Mbit/s of sound");
+  EXPECT_EQ(bit_rates_text(bit_rates(500'000, 0, 0)), "0 Mbit/s");
+}
+
+TEST_F(PackCommand, writes_no_json_among_what_it_reads_and_writes) {
+  for (const auto& folder : {frames_, reel_}) {
+    const Outcome refused = run_pack({"--json", (folder / "summary.json").string()});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_NE(refused.errors.find("lies in " + folder.string()), std::string::npos)
+        << refused.errors;
+    EXPECT_FALSE(std::filesystem::exists(folder / "summary.json"));
+  }
 }
 
 TEST_F(PackCommand, writes_json_to_a_file_and_prints_a_summary_for_people) {

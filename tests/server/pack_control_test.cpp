@@ -10,9 +10,9 @@
 #include "codec/files/cloud_file.h"
 #include "codec/package/manifest.h"
 #include "codec/package/max_error.h"
+#include "codec/segments/coding_error.h"
 #include "pointreel/draco.h"
 #include "server/inspect/inspect.h"
-#include "server/pack/coding_error.h"
 #include "server/pack/packer.h"
 #include "tests/packed_clouds.h"
 

@@ -247,6 +247,21 @@ TEST_F(PackGrid, warnings_of_one_kind_are_told_some_times_and_then_counted) {
   EXPECT_THAT(warnings[8], HasSubstr("N.ply: N points have no usable normal"));
 }
 
+TEST_F(PackGrid, an_empty_frame_may_be_in_a_segment_with_a_stray_point) {
+  PointCloud stray = ellipsoid(2000);
+  stray.positions.push_back({1e6f, 0.0f, 0.0f});
+  stray.colors.push_back(stray.colors.front());
+  stray.normals.push_back(stray.normals.front());
+  write(0, PointCloud());
+  write(1, stray);
+  write(2, ellipsoid(2000));
+  for (const EncodeOptions& encode :
+       {octree(DepthRule{}), octree(DepthRule::fixed(8)), draco(11)}) {
+    use(encode);
+    EXPECT_THAT(error(), HasSubstr("1.ply: its 2001 points collapse"));
+  }
+}
+
 TEST_F(PackGrid, an_empty_frame_stands_where_none_can_be_read) {
   write(0, ellipsoid(100));
   fs::resize_file(in() / "0.ply", 500);
@@ -364,10 +379,9 @@ TEST_F(PackGrid, names_each_property_that_it_drops_once) {
   write_text(1, quality + "property uchar alpha\n", "0.5 1 7 255");
   write_text(2, quality + "property int label\n", "0.5 1 7 3");
   options_.segment_frames = 2;
-  EXPECT_THAT(
-      packed().warnings,
-      ElementsAre(HasSubstr("radii"), "properties of points that are not packed: alpha, quality",
-                  "properties of points that are not packed: label"));
+  EXPECT_THAT(packed().warnings,
+              ElementsAre(HasSubstr("radii"), "properties not packed: alpha, quality",
+                          "properties not packed: label"));
 }
 
 }  // namespace

@@ -1,12 +1,14 @@
 #include "server/pack/packer.h"
 
 #include <filesystem>
+#include <fstream>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "codec/files/cloud_file.h"
 #include "codec/octree/frame_header.h"
@@ -67,6 +69,45 @@ std::set<std::string> layers_in(const fs::path& package) {
     names.insert(name);
   }
   return names;
+}
+
+TEST(Packer, estimates_normals_where_players_would_take_long_to_derive_them) {
+  const TemporaryFolder folder;
+  PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
+  fs::create_directories(options.inputs[0]);
+  options.encode.codec = OctreeOptions{};
+  options.force = true;
+  const PointCloud given = ellipsoid(100'000, glm::dvec3(1.0));
+  const auto packed_from = [&](PointCloud cloud, MissingNormals missing) {
+    EXPECT_TRUE(write_ply(options.inputs[0] / "frame.ply", cloud));
+    options.missing_normals = missing;
+    const PackSummary summary = packed(options);
+    const Manifest manifest = manifest_of(options.output);
+    EXPECT_EQ(summary.normals_estimated, manifest.normals_estimated);
+    return std::pair(manifest.normals, manifest.normals_estimated);
+  };
+  PointCloud bare = given;
+  bare.normals.clear();
+  ASSERT_TRUE(bare.has_colors());
+  constexpr auto kIfItPays = MissingNormals::estimated_if_it_pays;
+  const std::pair none(false, false), of_source(true, false), estimated(true, true);
+  EXPECT_EQ(packed_from(given, kIfItPays), of_source);
+  EXPECT_EQ(packed_from(bare, MissingNormals::derived), none);
+  EXPECT_EQ(packed_from(bare, kIfItPays), estimated);
+  const PointCloud frame = decoded(options.output, 0).cloud;
+  std::size_t near = 0;
+  for (const glm::vec3& normal : frame.normals) near += glm::length(normal) > 0.9f ? 1 : 0;
+  EXPECT_EQ(near, frame.size());
+
+  PointCloud few = ellipsoid(1'000, glm::dvec3(1.0));
+  few.normals.clear();
+  EXPECT_EQ(packed_from(few, kIfItPays), none);
+  EXPECT_EQ(packed_from(few, MissingNormals::estimated), estimated);
+  PointCloud grey = bare;
+  grey.colors.clear();
+  EXPECT_EQ(packed_from(grey, kIfItPays), none);
+  options.encode = draco();
+  EXPECT_EQ(packed_from(bare, kIfItPays), none);
 }
 
 TEST(Packer, writes_the_same_bytes_on_any_number_of_threads) {
@@ -245,6 +286,25 @@ TEST(Packer, replaces_a_package_with_force) {
   EXPECT_THAT(layers_in(options.output), ElementsAre("00000.full.prs", "reel.json"));
   EXPECT_EQ(manifest_of(options.output).codec, "draco");
   EXPECT_THAT(names_in(folder.path()), ElementsAre("in", "reel"));
+}
+
+TEST(Packer, replaces_what_killed_programs_have_left_and_nothing_that_is_being_written) {
+  const TemporaryFolder folder;
+  write_frames(folder.path() / "in", 2);
+  PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
+  packed(options);
+  options.force = true;
+  const auto put = [&](const std::string& name) { std::ofstream(options.output / name) << "x"; };
+  put("reel.json.2147483000~");  // no system has so many processes
+  put("audio.0123abcd.opus.2147483000~");
+  put("audio.0123abcd.opus");
+  packed(options);
+  EXPECT_FALSE(fs::exists(options.output / "audio.0123abcd.opus"));
+  put("reel.json." + std::to_string(::getpid()) + "~");
+  EXPECT_THAT(error_of(options), HasSubstr("is writing to it; wait until it ends"));
+  fs::remove(options.output / ("reel.json." + std::to_string(::getpid()) + "~"));
+  put("audio.mine.opus");
+  EXPECT_THAT(error_of(options), HasSubstr("holds audio.mine.opus, which is not part of"));
 }
 
 TEST(Packer, never_replaces_a_folder_that_is_not_a_package_even_with_force) {
@@ -449,6 +509,30 @@ TEST(Packer, reads_depth_within_the_memory_that_a_frame_may_take) {
   options.output = folder.path() / "reel";
   options.max_memory = 100'000;
   EXPECT_THAT(error_of(options), HasSubstr("raise --frame-memory"));
+}
+
+TEST(Packer, warns_of_voxels_that_hold_nearly_all_points) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.path() / "in");
+  PointCloud cloud;
+  for (int i = 0; i < 5000; ++i) cloud.positions.emplace_back(i % 70, i / 70, 0);
+  ASSERT_TRUE(write_ply(folder.path() / "in/0.ply", cloud));
+  PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
+  options.voxel = 1000.0;
+  std::get<OctreeOptions>(options.encode.codec).depth = DepthRule::fixed(1);
+  const auto summary = pack(options);
+  ASSERT_TRUE(summary) << summary.error().message;
+  EXPECT_THAT(summary->warnings, ElementsAre(HasSubstr("its 5000 points fall into 1 voxel")));
+}
+
+TEST(Packer, compares_frames_with_what_it_decodes_whatever_that_takes) {
+  const TemporaryFolder folder;
+  write_frames(folder.path() / "in", 2);
+  PackOptions options = pack_options(folder.path() / "in", folder.path() / "reel");
+  options.max_memory = 1;  // bounds what hostile files take, and PLY files take no more than theirs
+  const auto summary = pack(options);
+  ASSERT_TRUE(summary) << summary.error().message;
+  EXPECT_TRUE(summary->coding_error);
 }
 
 TEST(Packer, refuses_values_that_no_client_accepts_before_it_begins) {

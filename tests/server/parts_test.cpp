@@ -5,6 +5,7 @@
 #include <fstream>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
@@ -65,6 +66,24 @@ class Parts : public PackTest {
     return pack_part(*plan, options(plan->arguments), {index, count}, fail_fast, listener);
   }
 
+  /// A folder of recordings, at times that are not even, so that one that was lost would show.
+  fs::path write_recordings(bool normals) {
+    const fs::path recordings = reel_.parent_path() / "recordings";
+    fs::create_directory(recordings);
+    std::uint64_t time_us = 1'700'000'000'000'000;
+    for (const auto& [name, frames] : {std::pair{"1.mcap", 13}, std::pair{"2.mcap", 7}}) {
+      RecordingWriter writer(recordings / name);
+      for (int i = 0; i < frames; ++i) {
+        time_us += 30'000 + 1'000 * static_cast<std::uint64_t>(i);
+        PointCloud cloud = ball(400, i);
+        if (!normals) cloud.normals.clear();
+        EXPECT_TRUE(writer.add(record_frame(cloud, time_us).value()));
+      }
+      EXPECT_TRUE(writer.finish());
+    }
+    return recordings;
+  }
+
   std::string join_error() {
     const Result<JoinReport> joined = join_parts(reel_);
     return joined ? "" : joined.error().message;
@@ -105,6 +124,39 @@ TEST_F(Parts, use_the_options_of_the_plan) {
   EXPECT_TRUE(contents(reel_) == expected);
 }
 
+TEST_F(Parts, keep_gaps_between_frames) {
+  fs::rename(frames_ / "frame20.ply", frames_ / "frame30.ply");
+  const PackOptions one = options({"--keep-gaps"});
+  const auto expected = whole(one);
+  make(one, {"--keep-gaps"});
+  for (std::uint32_t i = 1; i <= 3; ++i) ASSERT_TRUE(part(i, 3));
+  EXPECT_EQ(join_error(), "");
+  EXPECT_EQ(read_manifest(reel_)->duration_us, 1'000'000u);
+  EXPECT_TRUE(contents(reel_) == expected);
+}
+
+TEST_F(Parts, clean_all_frames_or_none_where_noise_is_about_at_the_limit) {
+  // By themselves, some frames would be cleaned and others not: about 5 and about 16 of them.
+  for (const auto& [less, more, cleaned] :
+       {std::tuple{0.0105f, 0.0135f, 0}, std::tuple{0.013f, 0.017f, kFrames}}) {
+    for (int i = 1; i <= kFrames; ++i) {
+      PointCloud cloud = ball(2000, i);
+      for (glm::vec3& p : cloud.positions)
+        p *= 1.0f + (i % 3 == 0 ? more : less) * std::sin(1e4f * p.x + 3e4f * p.y);
+      ASSERT_TRUE(write_ply(frames_ / fmt::format("frame{}.ply", i), cloud));
+    }
+    PackOptions one = options({"--clean=auto"});
+    one.force = true;
+    const auto expected = whole(one);
+    make(one, {"--clean=auto"});
+    ASSERT_TRUE(part(1, 2));
+    ASSERT_TRUE(part(2, 2));
+    EXPECT_EQ(join_error(), "");
+    EXPECT_EQ(read_manifest(reel_)->cleaning.value_or(Cleaning{}).frames, cleaned);
+    EXPECT_TRUE(contents(reel_) == expected);
+  }
+}
+
 TEST_F(Parts, clean_their_frames_with_those_of_other_parts) {
   for (int i = 1; i <= kFrames; ++i) {
     PointCloud cloud = ball(2000, i);
@@ -118,6 +170,23 @@ TEST_F(Parts, clean_their_frames_with_those_of_other_parts) {
   for (std::uint32_t i = 1; i <= 4; ++i) ASSERT_TRUE(part(i, 4));
   EXPECT_EQ(join_error(), "");
   EXPECT_EQ(read_manifest(reel_)->cleaning.value_or(Cleaning{}).frames, kFrames);
+  EXPECT_TRUE(contents(reel_) == expected);
+}
+
+TEST_F(Parts, estimate_the_normals_that_their_frames_lack) {
+  for (int i = 1; i <= kFrames; ++i) {
+    PointCloud cloud = ball(2000, i);
+    cloud.normals.clear();
+    ASSERT_TRUE(write_ply(frames_ / fmt::format("frame{}.ply", i), cloud));
+  }
+  const PackOptions one = options({"--normals=estimate"});
+  const auto expected = whole(one);
+  make(one, {"--normals=estimate"});
+  for (std::uint32_t i = 1; i <= 3; ++i) ASSERT_TRUE(part(i, 3));
+  EXPECT_EQ(join_error(), "");
+  const Result<Manifest> manifest = read_manifest(reel_);
+  ASSERT_TRUE(manifest);
+  EXPECT_TRUE(manifest->normals && manifest->normals_estimated);
   EXPECT_TRUE(contents(reel_) == expected);
 }
 
@@ -191,21 +260,21 @@ TEST_F(Parts, report_a_frame_that_cannot_be_read_and_pack_the_rest) {
   EXPECT_THAT(join_error(), HasSubstr("1 of 7 segments are missing, the first at frame 6"));
 }
 
+TEST_F(Parts, estimate_the_normals_that_recordings_lack) {
+  const std::vector<std::string> arguments = {"--normals=estimate"};
+  PackOptions one = options(arguments);
+  one.inputs = {write_recordings(false)};
+  const auto expected = whole(one);
+  make(one, arguments);
+  ASSERT_TRUE(part(1, 2) && part(2, 2));
+  EXPECT_EQ(join_error(), "");
+  EXPECT_TRUE(read_manifest(reel_)->normals_estimated);
+  EXPECT_TRUE(contents(reel_) == expected);
+}
+
 TEST_F(Parts, take_frames_of_recordings_at_their_times) {
-  // Times that are not even, so that one that was lost would show.
-  const fs::path recordings = reel_.parent_path() / "recordings";
-  fs::create_directory(recordings);
-  std::uint64_t time_us = 1'700'000'000'000'000;
-  for (const auto& [name, frames] : {std::pair{"1.mcap", 13}, std::pair{"2.mcap", 7}}) {
-    RecordingWriter writer(recordings / name);
-    for (int i = 0; i < frames; ++i) {
-      time_us += 30'000 + 1'000 * static_cast<std::uint64_t>(i);
-      ASSERT_TRUE(writer.add(record_frame(ball(400, i), time_us).value()));
-    }
-    ASSERT_TRUE(writer.finish());
-  }
   PackOptions one = options();
-  one.inputs = {recordings};
+  one.inputs = {write_recordings(true)};
   const auto expected = whole(one);
   make(one);
   for (std::uint32_t i = 1; i <= 3; ++i) {

@@ -244,12 +244,13 @@ TEST_F(ServeCommandTest, packages_tokens_and_the_certificate_change_while_it_ser
   fs::remove_all(all / "sub");
   EXPECT_TRUE(wait_until([&] { return status("/sub/new/reel.json") == 404; }));
 
-  const std::string folders = "[serve]\nreels = [\"" + reel_.string() + "\"]\n";
-  write_file(config, folders + "view-token = \"one\"\n");
+  const std::string folders = "[serve]\nreels = [  # all\n  \"" + reel_.string() + "\"\n]\n";
+  write_file(config, folders + "view-token = \"#one\"  # for a start\n");
   server.signal(SIGHUP);
   EXPECT_TRUE(wait_until([&] { return status("/") == 401; }));
   const std::string manifest = "/" + reel_.filename().string() + "/reel.json";
-  EXPECT_TRUE(wait_until([&] { return status(manifest, "Authorization: Bearer one\r\n") == 200; }));
+  EXPECT_TRUE(
+      wait_until([&] { return status(manifest, "Authorization: Bearer #one\r\n") == 200; }));
   // A file with a mistake changes nothing.
   write_file(config, folders + "view-tokn = \"two\"\n");
   server.signal(SIGHUP);
@@ -298,7 +299,26 @@ TEST_F(ServeCommandTest, names_an_unknown_option_of_a_configuration_file) {
   const fs::path config = temporary_.path() / "server.toml";
   std::ofstream(config) << "[serve]\nlistem = \"127.0.0.1:0\"\n";
   EXPECT_THAT(failure_of({reel_.string(), "--config", config.string()}),
-              HasSubstr("--config: there is no option serve.listem"));
+              HasSubstr("--config: line 2: there is no option serve.listem"));
+}
+
+TEST_F(ServeCommandTest, says_nothing_of_tokens_in_a_configuration_file_that_it_cannot_read) {
+  const fs::path config = temporary_.path() / "server.toml";
+  for (const auto& [text, said] :
+       {std::pair{"[serve]\nview-token \"SECRET\"\n", "line 2 is not NAME = VALUE"},
+        {"# tokens\n[serve]\npublish-token: SECRET\n", "line 3 is not NAME = VALUE"},
+        {"[serve]\nview-token =\n\"SECRET\"\n", "line 3 is not NAME = VALUE"},
+        {"{\"serve\": {\"view-token\": \"SECRET\"}}", "line 1 is not NAME = VALUE"},
+        {"[serve]\n= SECRET\n", "line 2 is not NAME = VALUE"},
+        {"[serve]\nreels = [\"a\"\nview-token = SECRET\n", "begins in line 2 has no end"},
+        {"[serve]\nreels = [\"#a\nview-token = SECRET\n", "begins in line 2 has no end"},
+        {"[Serve]\nview-token = SECRET\n", "line 1 is not the name of a command, such as [serve]"},
+        {"[serve]\nview-tokn = \"SECRET\"\n", "there is no option serve.view-tokn"}}) {
+    std::ofstream(config) << text;
+    const std::string failure = failure_of({reel_.string(), "--config", config.string()});
+    EXPECT_THAT(failure, HasSubstr(said)) << text;
+    EXPECT_THAT(failure, testing::Not(HasSubstr("SECRET")));
+  }
 }
 
 }  // namespace

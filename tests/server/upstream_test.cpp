@@ -22,8 +22,8 @@
 #include <unistd.h>
 
 #include "codec/live/live_sound.h"
+#include "common/net/server_tokens.h"
 #include "server/serve/http_server.h"
-#include "server/upstream/upstream_tokens.h"
 #include "tests/live_frames.h"
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
@@ -185,8 +185,8 @@ TEST_F(UpstreamTest, of_many_lists_only_the_newest_is_acted_on) {
   EXPECT_LT(said().size(), static_cast<std::size_t>(kLists) / 2);
 }
 
-TEST(UpstreamTokens, a_token_is_for_one_scheme_host_and_port) {
-  const auto tokens = UpstreamTokens::parse(
+TEST(ServerTokens, a_token_is_for_one_host_and_port_with_or_without_tls) {
+  const auto tokens = ServerTokens::parse(
       "# ours\n\nwss://Paris.example.org  one\n ws://[::1]:8090\ttwo \r\nws://lyon three");
   ASSERT_TRUE(tokens) << tokens.error().message;
   const auto of = [&](const char* url) {
@@ -200,26 +200,29 @@ TEST(UpstreamTokens, a_token_is_for_one_scheme_host_and_port) {
   EXPECT_EQ(of("wss://paris.example.org.evil/live"), "none");
   EXPECT_EQ(of("ws://[::1]:8090/live"), "two");
   EXPECT_EQ(of("ws://lyon/live"), "three");
+  EXPECT_EQ(of("http://lyon/reel"), "three");
+  EXPECT_EQ(of("https://paris.example.org/reel"), "one");
+  EXPECT_EQ(of("s3://lyon/reel"), "none");
 }
 
-TEST(UpstreamTokens, mistakes_name_their_line_and_no_token) {
+TEST(ServerTokens, mistakes_name_their_line_and_no_token) {
   for (const char* bad :
-       {"SECRET", "https://host SECRET", "wss://host/live SECRET", "SECRET wss://host",
+       {"SECRET", "ftp://host SECRET", "wss://host/live SECRET", "SECRET wss://host",
         "wss://host SECRET SECRET", "wss://SECRET@host x",
         "wss://host SECRET\nwss://host:443 SECRET", "wss://host", "wss://host SEC\x01RET"}) {
-    const auto read = UpstreamTokens::parse(bad);
+    const auto read = ServerTokens::parse(bad);
     ASSERT_FALSE(read) << bad;
     EXPECT_EQ(read.error().code, ErrorCode::argument) << bad;
     EXPECT_EQ(read.error().message.find("line "), 0u) << read.error().message;
     EXPECT_EQ(read.error().message.find("SECRET"), std::string::npos) << read.error().message;
   }
   const TemporaryFolder folder;
-  EXPECT_EQ(UpstreamTokens::read(folder / "none").error().message,
+  EXPECT_EQ(ServerTokens::read(folder / "none").error().message,
             (folder / "none").string() + ": cannot be read");
-  const auto file = folder.write("long", std::string(UpstreamTokens::kMostBytes + 1, '#'));
-  EXPECT_NE(UpstreamTokens::read(file).error().message.find("has more than 65536 bytes"),
+  const auto file = folder.write("long", std::string(ServerTokens::kMostBytes + 1, '#'));
+  EXPECT_NE(ServerTokens::read(file).error().message.find("has more than 65536 bytes"),
             std::string::npos);
-  EXPECT_TRUE(UpstreamTokens::read(folder.write("empty", "")));
+  EXPECT_TRUE(ServerTokens::read(folder.write("empty", "")));
 }
 
 TEST_F(UpstreamTest, streams_come_and_go_with_those_of_the_other_server) {

@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
       "Streams packages and live streams at the same time, over links that slow down, break, "
       "corrupt bytes and recover.",
       "pointreel_soak"};
-  app.footer("Exit codes: 0 success, 1 failure, 2 wrong usage; sanitizers use their own codes.");
+  app.footer("Exit status: 0 success, 1 failure, 2 wrong usage; sanitizers use their own.");
   int seconds = 10;
   Options options;
   app.add_option("--seconds", seconds, "duration of the scenarios, which run at the same time")

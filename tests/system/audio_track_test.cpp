@@ -35,7 +35,7 @@ class AudioTrackTest : public testing::Test {
     write_wav(folder_ / "a.wav", kAudioRate, kLength, [](std::uint32_t n) { return wave(n); });
     const auto written = write_audio(folder_ / "a.wav", folder_.path(), 60'000'000);
     ASSERT_TRUE(written) << written.error().message;
-    file_ = *written;
+    file_ = written->file;
     const std::string text = read_text(folder_ / file_.path);
     bytes_ = Bytes(text.begin(), text.end());
   }

@@ -112,9 +112,12 @@ TEST_F(PackClean, has_cells_of_half_the_spacing_unless_a_depth_is_given) {
 TEST_F(PackClean, leaves_frames_alone_that_are_smooth_or_have_voxels) {
   write(0, ellipsoid(8000));
   options_.clean = CleanOptions{};
-  EXPECT_EQ(packed().cleaning.frames, 0u);
+  const PackSummary smooth = packed();
+  EXPECT_EQ(smooth.cleaning.frames, 0u);
+  EXPECT_EQ(why_not_cleaned(*options_.clean, smooth.not_cleaned), "the frames are smooth");
   write(0, noisy(1));
   EXPECT_EQ(packed().cleaning.frames, 1u);
+  EXPECT_TRUE(packed().not_cleaned.empty());
   options_.voxel = 0.01;
   EXPECT_EQ(packed().cleaning.frames, 0u);
   options_.clean = CleanOptions{0.1};

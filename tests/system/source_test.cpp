@@ -17,6 +17,7 @@
 namespace pointreel::source_test {
 namespace {
 
+using testing::EndsWith;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -68,8 +69,11 @@ TEST(OpenSource, reports_a_folder_that_is_neither_a_package_nor_holds_clouds) {
 TEST(OpenSource, reports_a_file_that_is_not_a_cloud) {
   const TemporaryFolder folder;
   const std::string photo = folder.write("photo.jpg", "\xff\xd8").string();
-  EXPECT_THAT(open_source(photo).error().message,
-              testing::AllOf(HasSubstr(photo), HasSubstr("not a known point cloud file")));
+  EXPECT_THAT(
+      open_source(photo).error().message,
+      testing::AllOf(HasSubstr(photo), HasSubstr("not a known point cloud file"),
+                     EndsWith("; known are PLY, Draco, nuScenes, PCD, LAS, text, OBJ, glTF, "
+                              "numpy, KITTI, MCAP and depth video")));
   const std::string cut = folder.write("cut.ply", "ply\nformat ascii 1.0\n").string();
   EXPECT_THAT(open_source(cut).error().message, HasSubstr(cut + ": "));
 }
@@ -87,6 +91,22 @@ TEST(OpenSource, reports_an_invalid_manifest) {
   for (const std::string& where : {path, folder.path().string()})
     EXPECT_EQ(open_source(where).error().message,
               path + ": is not valid JSON; give the folder or address of a package");
+}
+
+TEST(OpenSource, says_which_options_for_files_are_of_no_use_for_a_package) {
+  const TemporaryFolder folder;
+  folder.write("reel.json", write_manifest(small_manifest()));
+  std::vector<std::string> said;
+  SourceOptions options;
+  options.say = [&](const std::string& line) { said.push_back(line); };
+  (void)open_source(folder.path().string(), options);
+  EXPECT_THAT(said, testing::IsEmpty());
+  options.fps = 5.0;
+  options.placement.scale = 2.0;
+  (void)open_source(folder.path().string(), options);
+  EXPECT_THAT(said, testing::ElementsAre("warning: " + folder.path().string() +
+                                         ": is a package, which is shown as it is: --fps, --scale "
+                                         "are not used"));
 }
 
 TEST(OpenSource, names_the_newer_version_of_a_package) {
@@ -174,7 +194,7 @@ TEST(FolderSource, takes_its_files_in_natural_order_and_its_times_from_the_rate)
   EXPECT_EQ(manifest.up, 'y');
   EXPECT_EQ(manifest.duration_us, 120'000u);
   EXPECT_EQ(frame_time_us(manifest, 2), 80'000u);
-  EXPECT_EQ(manifest.bounds.max, glm::dvec3(1.0, 2.0, 3.0));
+  EXPECT_EQ(manifest.bounds.max, glm::dvec3(10.0, 2.0, 3.0)) << "of all three";
   EXPECT_FALSE(manifest.colors);
   EXPECT_THAT(text_of((*source)->fetch({1})->file.view()), HasSubstr("\n2 2 3\n"));
   EXPECT_THAT(text_of((*source)->fetch({2})->file.view()), HasSubstr("\n10 2 3\n"));

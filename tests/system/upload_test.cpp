@@ -122,6 +122,19 @@ TEST_F(Upload, goes_on_where_it_was_interrupted) {
   EXPECT_EQ(store.objects().size(), 3u);
 }
 
+TEST_F(Upload, names_what_is_there_and_is_no_reel) {
+  const FakeStore store([](int socket, const std::string& head) {
+    if (!head.starts_with("GET ")) return false;
+    answer(socket, "200 OK", "", "<html>Welcome</html>");
+    return true;
+  });
+  const auto refused = upload(options(store.url()));
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message,
+              AllOf(HasSubstr("s3://reels/a walk: what is there already is not a reel"),
+                    HasSubstr("check --endpoint")));
+}
+
 TEST_F(Upload, replaces_another_reel_only_if_asked) {
   const FakeStore store;
   ASSERT_TRUE(upload(options(store.url())));
@@ -201,6 +214,27 @@ TEST_F(Upload, keys_go_to_no_other_address) {
   EXPECT_THAT(line,
               AllOf(HasSubstr("the bucket is at another address"), HasSubstr("set AWS_REGION")));
   EXPECT_EQ(other.requests(), Requests{});
+}
+
+TEST_F(Upload, what_has_not_arrived_as_it_was_sent_is_sent_again) {
+  const FakeStore before;
+  ASSERT_TRUE(upload(options(before.url())));
+  const auto objects = before.objects();
+  // The checksum is what the uploader has said, and the tag is of what the store has.
+  const FakeStore store([&](int socket, const std::string& head) {
+    if (!head.starts_with("HEAD ")) return false;
+    const auto& object = objects.at(head.substr(5, head.find(' ', 5) - 5));
+    const std::string name = "x-amz-meta-xxh3: ";
+    send_text(socket, fmt::format("HTTP/1.1 200 OK\r\nContent-Length: {}\r\n{}{}\r\nETag: "
+                                  "\"0123456789abcdef0123456789abcdef\"\r\n\r\n",
+                                  object.body.size(), name,
+                                  object.head.substr(object.head.find(name) + name.size(), 16)));
+    return true;
+  });
+  const auto again = upload(options(store.url()));
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->files, 3u);
+  EXPECT_EQ(again->kept, 0u);
 }
 
 TEST_F(Upload, a_store_that_keeps_other_bytes_is_noticed) {

@@ -31,8 +31,8 @@ function mutate(chunks) {
   return changed;
 }
 
-// PrPrepare: mode, level, delta, show_normals, max_memory, index, time_us, cube_origin, cube_edge
-const options = (mode) => Buffer.from(Float64Array.of(mode, 21, -1, 0, 64 << 20, 0, 0, 0, 0, 0, 1).buffer);
+// PrPrepare: mode, level, delta, show_normals, max_memory, index, time_us, cube_origin, cube_edge, normals_estimated
+const options = (mode) => Buffer.from(Float64Array.of(mode, 21, -1, 0, 64 << 20, 0, 0, 0, 0, 0, 1, random(2)).buffer);
 // PrView: camera, width, height, pixel_size, widen, mode, color, fill_holes, refine, place
 const view = (mode) => Buffer.from(Float64Array.of(0.5, 0.5, 0.5, 3, 0, 0, 0.7, 1, 2, 320, 240, 1, 1.1, mode, 0, 1, random(2), 0, 0, 0).buffer);
 

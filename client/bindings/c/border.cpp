@@ -5,6 +5,7 @@
 
 #include "client/bindings/c/handles.h"
 #include "common/base/concat.h"
+#include "common/base/hide_secrets.h"
 #include "common/process/print.h"
 
 namespace pointreel {
@@ -52,7 +53,7 @@ pointreel_status failed(pointreel_status status, const char* text) noexcept {
 pointreel_status failed(const Error& error) noexcept {
   const pointreel_status status = status_of(error.code);
   try {
-    return failed(status, visible(error.message).c_str());
+    return failed(status, visible(hide_secrets(error.message)).c_str());
   } catch (...) {
     return failed(status, "out of memory");
   }

@@ -21,7 +21,7 @@
 #include "client/source/open_live_source.h"
 #include "client/source/open_source.h"
 #include "codec/package/manifest.h"
-#include "codec/package/package_writer.h"
+#include "codec/segments/package_writer.h"
 #include "common/base/concat.h"
 #include "common/base/try.h"
 #include "pointreel/version.h"
@@ -492,7 +492,7 @@ pointreel_status pointreel_writer_open(const char* folder, const pointreel_write
   return guarded([&]() -> Result<void> {
     TRY(clear(writer));
     const pointreel_write_options options = TRY(options_of(given, "pointreel_write_options"));
-    WriteOptions write;
+    PackOptions write;
     static_cast<EncodingOptions&>(write) = TRY(encoding_of(encode));
     write.output = TRY(text_of(folder, "the folder"));
     if (write.output.empty()) return fail(ErrorCode::argument, "the folder has no name");

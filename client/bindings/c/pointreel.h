@@ -281,7 +281,8 @@ POINTREEL_API pointreel_status pointreel_writer_open(const char* folder,
                                                      const pointreel_encode_options* encode,
                                                      pointreel_writer** writer);
 /* Adds a frame, which is shown at `time_us` from the reel's start, or with POINTREEL_BY_FPS one
- * frame's time after the frame before. From time to time it encodes what was added since. */
+ * frame's time after the frame before. From time to time it encodes what was added since. Errors
+ * may name options of pointreel-server pack, of which segment_frames is --segment. */
 #define POINTREEL_BY_FPS UINT64_MAX
 POINTREEL_API pointreel_status pointreel_writer_add(pointreel_writer* writer,
                                                     const pointreel_points* points,

@@ -33,6 +33,11 @@ Result<EncodingOptions> encoding_of(const EncodingChoice& choice) {
   TRY(check_range(choice.color_quality, kLosslessColorQuality, "color_quality"));
   TRY(check_range(choice.normal_quality, kBestNormalQuality, "normal_quality"));
   if (choice.codec == Codec::draco) return draco_of(choice);
+  if (choice.codec == Codec::video &&
+      (choice.depth != 0 || choice.voxel != 0.0 || choice.delta != 0.0 ||
+       choice.normal_quality != 0 || choice.fast || !choice.scalar_steps.empty()))
+    return fail(ErrorCode::argument,
+                "video has no depth, voxels, delta, normal_quality, fast frames or scalar fields");
   OctreeOptions octree;
   if (choice.depth != 0) octree.depth = DepthRule::fixed(choice.depth);
   if (choice.delta != 0.0) {
@@ -48,7 +53,10 @@ Result<EncodingOptions> encoding_of(const EncodingChoice& choice) {
   }
   octree.scalar_steps = choice.scalar_steps;
   if (choice.color_quality != 0) octree.color_quality = choice.color_quality;
-  if (choice.normal_quality != 0) octree.normal_quality = choice.normal_quality;
+  if (choice.normal_quality != 0) {
+    octree.normal_quality = choice.normal_quality;
+    octree.normals_follow_noise = false;
+  }
   if (choice.fast) octree.entropy = Entropy::zstd;
   EncodingOptions options;
   options.encode.codec = octree;

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "codec/core/scalar_fields.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
@@ -11,9 +13,19 @@
 #include "pointreel/draco.h"
 
 namespace pointreel {
+namespace {
+
+/// Before 2001 no frame was captured whose clock was right. Clocks of cameras may be a little
+/// ahead.
+constexpr std::uint64_t kEarliest = 1'000'000'000'000'000, kMostAhead = 60'000'000;
+
+}  // namespace
 
 FramePublisher::FramePublisher(OutboxOptions outbox, const EncodingOptions& options)
-    : options_(options), grid_(options), sender_(std::move(outbox), reel_head(options)) {}
+    : options_(options),
+      identity_(outbox.url),
+      grid_(options),
+      sender_(std::move(outbox), reel_head(options), identity_.get()) {}
 
 Result<std::unique_ptr<FramePublisher>> FramePublisher::open(const std::string& url,
                                                              const std::string& token,
@@ -39,7 +51,13 @@ Result<std::unique_ptr<FramePublisher>> FramePublisher::open(const std::string& 
 Result<void> FramePublisher::send(const PointCloud& cloud,
                                   std::optional<std::uint64_t> capture_us) {
   if (auto failure = sender_.outbox().failure()) return tl::unexpected(*failure);
-  const std::uint64_t time = capture_us.value_or(unix_time_us());
+  const std::uint64_t now = unix_time_us(), time = capture_us.value_or(now);
+  if (time < kEarliest || time > now + kMostAhead)
+    return fail(
+        ErrorCode::argument,
+        fmt::format("a frame of a live stream was captured at {} s of Unix time, but now it "
+                    "is {} s: give the time of its capture, or none",
+                    time / 1'000'000, now / 1'000'000));
   return or_out_of_memory([&]() -> Result<void> {
     const Box box = bounds(cloud);
     const Grid grid = TRY(grid_.of(cloud, box));

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "codec/live/frame_sender.h"
+#include "codec/live/kept_identity.h"
 #include "codec/package/encoding_options.h"
 #include "codec/package/steady_grid.h"
 #include "pointreel/cloud.h"
@@ -28,7 +29,8 @@ class FramePublisher {
 
   /// Encodes a frame and hands it to the thread that sends. `capture_us`: Unix time; by default
   /// now. Where the link is too slow, frames and fine layers are left out. An error if the frame
-  /// cannot be encoded, or the server has refused the publisher for good.
+  /// cannot be encoded, if its time is none of a clock that is right, or if the server has refused
+  /// the publisher for good.
   Result<void> send(const PointCloud& cloud, std::optional<std::uint64_t> capture_us);
 
   /// Gives what was sent last some time to arrive.
@@ -43,6 +45,7 @@ class FramePublisher {
   FramePublisher(OutboxOptions outbox, const EncodingOptions& options);
 
   const EncodingOptions options_;
+  const KeptIdentity identity_;
   SteadyGrid grid_;
   FrameSender sender_;
 };

@@ -1,6 +1,7 @@
 #include "client/bindings/frames/point_arrays.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -8,10 +9,10 @@
 #include <vector>
 
 #include "codec/core/scalar_fields.h"
+#include "codec/files/middle_half.h"
 #include "codec/package/collapse.h"
 #include "codec/package/frames_grid.h"
 #include "codec/package/strays.h"
-#include "common/base/median.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/spread.h"
 #include "common/base/try.h"
@@ -40,28 +41,25 @@ glm::dvec3 world_position(const PointArrays& arrays, std::size_t i) {
   return {at[0], at[1], at[2]};
 }
 
-/// The median on each axis of some of the points that floats can hold: points that are anywhere
-/// else do not change it.
-glm::dvec3 middle_of(const PointArrays& arrays) {
+/// MiddleHalf::origin of some of the points that floats can hold: points that are anywhere else do
+/// not change it.
+glm::dvec3 origin_of(const PointArrays& arrays) {
   constexpr std::size_t kSamples = 1024;
   std::vector<std::size_t> usable;
   for (std::size_t i = 0; i < arrays.count; ++i)
     if (is_finite(glm::vec3(world_position(arrays, i)))) usable.push_back(i);
   if (usable.empty()) return glm::dvec3(0.0);
   const std::size_t samples = std::min(kSamples, usable.size());
-  glm::dvec3 middle;
-  std::vector<double> values(samples);
-  for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < samples; ++i)
-      values[i] = world_position(arrays, usable[spread_index(i, samples, usable.size())])[axis];
-    middle[axis] = median(values);
+  std::array<std::vector<double>, 3> values;
+  for (std::size_t i = 0; i < samples; ++i) {
+    const glm::dvec3 at = world_position(arrays, usable[spread_index(i, samples, usable.size())]);
+    for (int axis = 0; axis < 3; ++axis) values[static_cast<std::size_t>(axis)].push_back(at[axis]);
   }
-  return middle;
+  return middle_half(values).origin();
 }
 
 void take_world_positions(PointCloud& cloud, const PointArrays& arrays) {
-  // Small whole coordinates stay what they are.
-  cloud.origin = glm::floor(middle_of(arrays));
+  cloud.origin = origin_of(arrays);
   cloud.positions.reserve(arrays.count);
   for (std::size_t i = 0; i < arrays.count; ++i)
     cloud.positions.emplace_back(world_position(arrays, i) - cloud.origin);

@@ -8,7 +8,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/type_precision.hpp>
 
-#include "codec/package/package_writer.h"
+#include "codec/package/encoding_options.h"
 #include "pointreel/cloud.h"
 #include "pointreel/draco.h"
 #include "pointreel/error.h"

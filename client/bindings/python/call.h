@@ -5,6 +5,7 @@
 #include <future>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -15,6 +16,10 @@
 
 /// Calls from Python into C++.
 namespace pointreel {
+
+/// An error or a warning as Python shows it. They name the options of commands; those that the
+/// module has, too, become its arguments.
+std::string for_python(const std::string& line);
 
 /// Raises pointreel.Error, with the code's name as its member `code`.
 [[noreturn]] void raise(const Error& error);

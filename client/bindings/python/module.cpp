@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -26,10 +27,14 @@
 #include "client/bindings/python/arrays.h"
 #include "client/bindings/python/call.h"
 #include "client/bindings/python/picture.h"
+#include "client/scene/named_views.h"
 #include "client/source/open_live_source.h"
 #include "client/source/open_source.h"
+#include "codec/core/reel_rules.h"
 #include "codec/package/manifest.h"
-#include "codec/package/package_writer.h"
+#include "codec/rate/bitrate.h"
+#include "codec/segments/package_writer.h"
+#include "common/base/concat.h"
 #include "common/base/try.h"
 #include "common/net/url.h"
 #include "pointreel/version.h"
@@ -67,14 +72,21 @@ ReadLimits read_limits(std::optional<std::uint32_t> layers,
   return limits;
 }
 
-EncodingOptions encoding(const std::string& codec, int depth, double voxel, int color_quality,
-                         int normal_quality, bool fast, double delta,
-                         const std::map<std::string, double>& scalar_steps) {
+/// How frames are encoded, as video or one by one.
+struct PyEncoding : EncodingOptions {
+  bool video = false;
+};
+
+PyEncoding encoding(const std::string& codec, int depth, double voxel, int color_quality,
+                    int normal_quality, bool fast, double delta,
+                    const std::map<std::string, double>& scalar_steps) {
   EncodingChoice choice;
   if (codec == name(Codec::draco)) {
     choice.codec = Codec::draco;
+  } else if (codec == name(Codec::video)) {
+    choice.codec = Codec::video;
   } else if (codec != name(Codec::octree)) {
-    raise({"codec is octree or draco, not " + codec, ErrorCode::argument});
+    raise({"codec is octree or draco, or video for pack, not " + codec, ErrorCode::argument});
   }
   choice.depth = depth;
   choice.voxel = voxel;
@@ -83,7 +95,59 @@ EncodingOptions encoding(const std::string& codec, int depth, double voxel, int 
   choice.fast = fast;
   choice.delta = delta;
   for (const auto& [field, step] : scalar_steps) choice.scalar_steps.push_back({field, step});
-  return value_or_raise(encoding_of(choice));
+  return {value_or_raise(encoding_of(choice)), choice.codec == Codec::video};
+}
+
+/// For frames that are not of a package.
+const EncodingOptions& one_by_one(const PyEncoding& encoding) {
+  if (encoding.video)
+    raise({"codec=\"video\" is for pack: frames by themselves are octree or draco",
+           ErrorCode::argument});
+  return encoding;
+}
+
+int within(const char* argument, int value, int least, int most) {
+  if (value < least || value > most)
+    raise({concat(argument, " is ", value, ", not ", least, " to ", most), ErrorCode::argument});
+  return value;
+}
+
+/// Absent values have the defaults of the command.
+PackOptions packing(const PyEncoding& encoding, const std::optional<std::string>& bitrate,
+                    std::optional<int> segment, std::optional<int> group, std::optional<int> effort,
+                    const std::string& cube, const std::string& normals, bool best_effort) {
+  PackOptions options;
+  static_cast<EncodingOptions&>(options) = encoding;
+  if (bitrate) options.bitrate = value_or_raise(at_place("bitrate", parse_bitrate(*bitrate)));
+  if (cube != "group" && cube != "frame")
+    raise({"cube is group or frame, not " + cube, ErrorCode::argument});
+  options.cube_per_frame = cube == "frame";
+  if (normals == "auto") {
+    options.missing_normals = MissingNormals::estimated_if_it_pays;
+  } else if (normals == "estimate" && encoding.encode.id() == Codec::octree && !encoding.video) {
+    options.missing_normals = MissingNormals::estimated;
+  } else if (normals == "estimate") {
+    raise({"normals=\"estimate\" needs codec=\"octree\"", ErrorCode::argument});
+  } else if (normals == "derive") {
+    options.encode.normals = false;
+  } else if (normals != "send") {
+    raise({"normals is auto, send, estimate or derive, not " + normals, ErrorCode::argument});
+  }
+  options.best_effort = best_effort;
+  if (encoding.video) {
+    VideoPackOptions video;
+    video.quality = std::get<OctreeOptions>(encoding.encode.codec).color_quality;
+    if (group)
+      video.group_frames = static_cast<std::uint32_t>(within("group", *group, 1, kMostGroupFrames));
+    if (effort) video.effort = within("effort", *effort, 0, kMostVideoEffort);
+    options.pack_as_video(video);
+  } else if (group || effort) {
+    raise({concat(group ? "group" : "effort", " needs codec=\"video\""), ErrorCode::argument});
+  }
+  if (segment)
+    options.segment_frames =
+        static_cast<std::uint32_t>(within("segment", *segment, 1, kMostSegmentFrames));
+  return options;
 }
 
 std::optional<std::uint64_t> microseconds(std::optional<double> seconds) {
@@ -93,15 +157,57 @@ std::optional<std::uint64_t> microseconds(std::optional<double> seconds) {
   return static_cast<std::uint64_t>(std::llround(1e6 * *seconds));
 }
 
+/// How files are read.
+struct FileOptions {
+  std::optional<double> fps;
+  std::string topic;
+  Reading reading;
+  Placement placement;
+};
+
+FileOptions file_options(std::optional<double> fps, std::string topic,
+                         std::vector<std::string> columns, double color_max, double scale,
+                         const Vector& rotate) {
+  if (fps && !is_frame_rate(*fps)) raise({"fps is out of range", ErrorCode::argument});
+  if (color_max != 0.0 && color_max != 1.0 && color_max != 255.0 && color_max != 65535.0)
+    raise({"color_max is 1, 255 or 65535", ErrorCode::argument});
+  if (!(scale > 0.0 && scale < 1e9)) raise({"scale is above 0", ErrorCode::argument});
+  FileOptions options{fps, std::move(topic), {std::move(columns), color_max}, {}};
+  options.placement.scale = scale;
+  options.placement.rotation = rotation_of(to_glm(rotate));
+  return options;
+}
+
+/// Lines about files, from any thread.
+class Lines {
+ public:
+  void add(const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    constexpr std::string_view kWarning = "warning: ";
+    const std::size_t begin = line.starts_with(kWarning) ? kWarning.size() : 0;
+    lines_.push_back(for_python(line.substr(begin)));
+  }
+  std::vector<std::string> take() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(lines_, {});
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::string> lines_;
+};
+
 class PyReel {
  public:
-  PyReel(const std::string& where, std::optional<double> fps, std::string topic, std::string token,
-         std::string ca_file, bool follow_redirects)
+  PyReel(const std::string& where, const FileOptions& file, std::string token, std::string ca_file,
+         bool follow_redirects)
       : remote_(!scheme_of(where).empty()) {
-    if (fps && !is_frame_rate(*fps)) raise({"fps is out of range", ErrorCode::argument});
     SourceOptions options = source_options(std::move(token), std::move(ca_file), follow_redirects);
-    options.fps = fps;
-    options.topic = std::move(topic);
+    options.fps = file.fps;
+    options.topic = file.topic;
+    options.reading = file.reading;
+    options.placement = file.placement;
+    options.say = [lines = lines_](const std::string& line) { lines->add(line); };
     frames_ = std::make_shared<const ReelFrames>(interruptible([&](const std::stop_token& stop) {
       SourceOptions stoppable = options;
       stoppable.stop = stop;
@@ -114,6 +220,8 @@ class PyReel {
 
   std::string metadata() const { return write_manifest(manifest()); }
   std::string trouble() const { return frames_->source().trouble().value_or(""); }
+  /// What there is to say about files since the last call.
+  std::vector<std::string> said() const { return lines_->take(); }
   py::object bounds() const { return box_of(manifest().bounds); }
 
   py::array times() const {
@@ -144,6 +252,7 @@ class PyReel {
 
  private:
   bool remote_ = false;
+  std::shared_ptr<Lines> lines_ = std::make_shared<Lines>();
   std::shared_ptr<const ReelFrames> frames_;
 };
 
@@ -196,16 +305,18 @@ class PyLive {
 class PyWriter {
  public:
   PyWriter(const std::string& folder, const std::string& title, double fps, const std::string& up,
-           bool replace, std::uint32_t segment_frames, const EncodingOptions& encoding)
+           bool replace, const PackOptions& packing)
       : writer_([&] {
-          WriteOptions options;
-          static_cast<EncodingOptions&>(options) = encoding;
+          if (!scheme_of(folder).empty())
+            raise({folder + ": is an address, but packages are written into folders; "
+                            "\"pointreel-server upload\" sends them to object stores",
+                   ErrorCode::argument});
+          PackOptions options = packing;
           options.output = folder;
           options.name = title;
           options.fps = fps;
           options.up = up_of(up);
           options.force = replace;
-          options.segment_frames = segment_frames;
           return without_gil([&] { return PackageWriter::create(options); });
         }()) {}
 
@@ -222,6 +333,12 @@ class PyWriter {
   void finish() {
     interruptible([&](const std::stop_token& stop) { return writer_.finish(stop); });
   }
+  /// What there is to say about the frames since the last call.
+  std::vector<std::string> said() {
+    std::vector<std::string> lines = writer_.take_warnings();
+    for (std::string& line : lines) line = for_python(line);
+    return lines;
+  }
 
  private:
   void add(PointCloud cloud, std::optional<std::uint64_t> time_us) {
@@ -236,8 +353,8 @@ class PyPublisher {
  public:
   PyPublisher(const std::string& url, const std::string& token, const std::string& ca_file,
               const std::string& title, double fps, const std::string& up,
-              const EncodingOptions& encoding) {
-    EncodingOptions options = encoding;
+              const PyEncoding& encoding) {
+    EncodingOptions options = one_by_one(encoding);
     options.name = title;
     options.fps = fps;
     options.up = up_of(up);
@@ -274,7 +391,9 @@ class PyCleaner {
  public:
   PyCleaner(std::optional<double> radius, std::size_t before, std::size_t after)
       : cleaner_([&] {
-          FrameCleaner::Options options{.before = before, .after = after};
+          FrameCleaner::Options options;
+          options.before = before;
+          options.after = after;
           options.clean.radius = radius;
           return value_or_raise(FrameCleaner::make(options));
         }()) {}
@@ -319,7 +438,8 @@ PyFrame frame_of(const Positions& positions, const Attribute& colors, const Attr
 }
 
 py::bytes encode(const Positions& positions, const Attribute& colors, const Attribute& normals,
-                 const Vector& origin, const py::dict& scalars, const EncodingOptions& options) {
+                 const Vector& origin, const py::dict& scalars, const PyEncoding& encoding) {
+  const EncodingOptions& options = one_by_one(encoding);
   const PointCloud cloud = cloud_of(positions, colors, normals, to_glm(origin), scalars);
   const Bytes bytes = without_gil([&]() -> Result<Bytes> {
     const EncodedFrame frame = TRY(encode_points(cloud, options));
@@ -346,7 +466,9 @@ py::array picture(const PyFrame& frame, int width, int height, const std::string
                   std::optional<std::array<double, 2>> view, double zoom, const std::string& up,
                   const std::optional<std::array<Vector, 2>>& bounds,
                   const std::array<float, 3>& background, const std::string& color,
-                  const std::string& light, const std::optional<Vector>& target) {
+                  const std::string& light, const std::optional<Vector>& target,
+                  std::optional<double> target_height,
+                  const std::optional<std::array<double, 2>>& color_range) {
   PictureOptions options;
   options.size = {width, height};
   const auto known_mode = parse_enum<DrawMode>(mode);
@@ -362,7 +484,7 @@ py::array picture(const PyFrame& frame, int width, int height, const std::string
     options.color = *source;
   } else if (std::ranges::find(frame.frame->cloud.scalars, color, &ScalarField::name) !=
              frame.frame->cloud.scalars.end()) {
-    options.scalar = color;
+    options.scalar.field = color;
   } else {
     raise(
         {"color is not one of those that help(render) names, and the frame has no such scalar "
@@ -370,11 +492,17 @@ py::array picture(const PyFrame& frame, int width, int height, const std::string
              color,
          ErrorCode::argument});
   }
+  if (color_range) {
+    if (options.scalar.field.empty())
+      raise({"color_range goes with a color that is a scalar field", ErrorCode::argument});
+    options.scalar.range = glm::dvec2((*color_range)[0], (*color_range)[1]);
+  }
   if (light != "flat" && light != "studio" && light != "none")
     raise({"light is flat, studio or none, not " + light, ErrorCode::argument});
   options.lit = light != "none";
   options.light = light == "studio" ? Light::studio : Light::flat;
   if (target) options.target = to_glm(*target);
+  if (target_height) options.target = *target_height;
   const Image image = without_gil([&] { return picture_of(*frame.frame, options); });
   py::array_t<std::uint8_t> array({height, width, 3});
   std::memcpy(array.mutable_data(), image.pixels.data(), image.pixels.size() * 3);
@@ -400,6 +528,12 @@ void forbid_construction(const py::object& type) {
 PYBIND11_MODULE(_native, module) {
   using namespace pointreel;
   module.attr("__version__") = POINTREEL_VERSION;
+  py::dict views, heights;
+  for (const auto& [name, yaw, pitch] : kNamedViews)
+    views[py::str(name)] = py::make_tuple(glm::degrees(yaw), glm::degrees(pitch));
+  for (const auto& [name, height] : kNamedHeights) heights[py::str(name)] = height;
+  module.attr("views") = views;
+  module.attr("heights") = heights;
   add_error(module);
 
   py::class_<PyFrame> frame(module, "Frame", "The points of a frame, which do not change.");
@@ -437,12 +571,14 @@ PYBIND11_MODULE(_native, module) {
   forbid_construction(read_ahead);
   read_ahead.def("__iter__", [](const py::object& self) { return self; }).def("__next__", next_of);
 
+  py::class_<FileOptions>(module, "FileOptions").def(py::init(&file_options));
+
   py::class_<PyReel>(module, "Reel")
-      .def(py::init<const std::string&, std::optional<double>, std::string, std::string,
-                    std::string, bool>())
+      .def(py::init<const std::string&, const FileOptions&, std::string, std::string, bool>())
       .def("__len__", &PyReel::size)
       .def("metadata", &PyReel::metadata)
       .def("trouble", &PyReel::trouble)
+      .def("said", &PyReel::said)
       .def("bounds", &PyReel::bounds)
       .def("times", &PyReel::times)
       .def("read", &PyReel::read)
@@ -453,20 +589,22 @@ PYBIND11_MODULE(_native, module) {
       .def("next", &PyLive::next)
       .def("trouble", &PyLive::trouble);
 
-  py::class_<EncodingOptions>(module, "Encoding").def(py::init(&encoding));
+  py::class_<PyEncoding>(module, "Encoding").def(py::init(&encoding));
+  py::class_<PackOptions>(module, "Packing").def(py::init(&packing));
 
   py::class_<PyWriter>(module, "Writer")
       .def(py::init<const std::string&, const std::string&, double, const std::string&, bool,
-                    std::uint32_t, const EncodingOptions&>())
+                    const PackOptions&>())
       .def("add",
            py::overload_cast<const Positions&, const Attribute&, const Attribute&, const Vector&,
                              const py::dict&, std::optional<double>>(&PyWriter::add))
       .def("add_frame", &PyWriter::add_frame)
-      .def("finish", &PyWriter::finish);
+      .def("finish", &PyWriter::finish)
+      .def("said", &PyWriter::said);
 
   py::class_<PyPublisher>(module, "Publisher")
       .def(py::init<const std::string&, const std::string&, const std::string&, const std::string&,
-                    double, const std::string&, const EncodingOptions&>())
+                    double, const std::string&, const PyEncoding&>())
       .def("send",
            py::overload_cast<const Positions&, const Attribute&, const Attribute&, const Vector&,
                              const py::dict&, std::optional<double>>(&PyPublisher::send))

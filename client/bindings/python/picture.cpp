@@ -4,7 +4,6 @@
 #include <memory>
 #include <utility>
 
-#include "client/prepare/prepare.h"
 #include "client/render/software/software_renderer.h"
 #include "client/scene/camera.h"
 #include "codec/core/scalar_fields.h"
@@ -25,8 +24,12 @@ Result<void> check(const PictureOptions& options) {
     return fail(ErrorCode::argument, "zoom is above 0");
   if (options.view && !(std::isfinite(options.view->x) && std::abs(options.view->y) <= 90.0))
     return fail(ErrorCode::argument, "a view is a yaw, and a pitch of -90 to 90 degrees");
-  if (options.target && !(std::isfinite(glm::dot(*options.target, *options.target))))
-    return fail(ErrorCode::argument, "a target is three numbers");
+  if (const auto& range = options.scalar.range;
+      range && !(std::isfinite(range->y - range->x) && range->x < range->y))
+    return fail(ErrorCode::argument, "color_range is two finite numbers, the smaller first");
+  const auto* target = options.target ? std::get_if<glm::dvec3>(&*options.target) : nullptr;
+  if (target != nullptr && !std::isfinite(glm::dot(*target, *target)))
+    return fail(ErrorCode::argument, "a target is three finite numbers");
   const auto finite = [](const glm::dvec3& at) { return std::isfinite(glm::dot(at, at)); };
   if (const auto& box = options.box; box && !(finite(box->min) && finite(box->max) &&
                                               glm::all(glm::lessThanEqual(box->min, box->max))))
@@ -51,20 +54,22 @@ Result<Image> picture_of(const PointFrame& frame, const PictureOptions& options)
   return or_out_of_memory([&]() -> Result<Image> {
     PrepareOptions prepare;
     prepare.mode = options.mode;
-    prepare.scalar.field = options.scalar;
+    prepare.scalar = options.scalar;
     prepare.show_normals = options.color == ColorSource::normals;
     auto scene = std::make_shared<SceneFrame>(TRY(prepare_points(frame, prepare)));
     const FrameBoxes& boxes = scene->boxes;
     const Box box = options.box ? *options.box : !boxes.main.empty() ? boxes.main : boxes.all;
     Camera camera;
     camera.up = options.up;
-    camera.frame_bounds(box, static_cast<double>(options.size.x) / options.size.y);
+    const double aspect = static_cast<double>(options.size.x) / options.size.y;
     if (options.view) {
       const glm::dvec2 radians = glm::radians(*options.view);
-      camera.yaw = camera.pitch = 0.0;
       camera.orbit(radians.x, radians.y);
+      camera.fit(box, aspect);
+    } else {
+      camera.frame_bounds(box, aspect);
     }
-    if (options.target) camera.target = *options.target;
+    if (options.target) camera.aim_at(*options.target, box);
     camera.zoom(1.0 / options.zoom);
     DrawOptions draw;
     draw.mode = options.mode;

@@ -6,7 +6,9 @@
 #include <glm/glm.hpp>
 
 #include "client/bindings/frames/point_frame.h"
+#include "client/prepare/prepare.h"
 #include "client/render/image.h"
+#include "client/scene/camera.h"
 #include "client/scene/draw_options.h"
 #include "pointreel/error.h"
 #include "pointreel/geometry.h"
@@ -20,10 +22,10 @@ struct PictureOptions {
   std::optional<glm::dvec2> view;  ///< yaw and pitch in degrees; absent: from slightly above
   double zoom = 1.0;               ///< > 0; 1 shows all of the box
   Up up = 'y';
-  std::optional<glm::dvec3> target;  ///< what the camera looks at; absent: the middle of the box
+  std::optional<Target> target;  ///< what the camera looks at; absent: the middle of the box
   /// Where the colours come from; a scalar field comes before it.
   ColorSource color = ColorSource::colors;
-  std::string scalar;
+  ScalarChoice scalar;
   bool lit = true;
   Light light = Light::flat;
   std::optional<Box> box;  ///< what the picture shows; absent: the frame's points, but for strays

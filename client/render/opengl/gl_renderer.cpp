@@ -227,7 +227,8 @@ SplatPlace GlRenderer::splat_place(const PictureView& view, const PixelRect& reg
           .radius = static_cast<float>(bounds.mean_radius()),
           .pixels = radius_in_pixels(bounds, view.to_clip, size_),
           .nearest = nearest_depth(bounds, view.to_clip, view.eye.w),
-          .signs_unknown = instances_.normals_estimated()};
+          .signs_unknown = instances_.normals_estimated(),
+          .one_back_in = instances_.one_back_in()};
 }
 
 Result<void> GlRenderer::draw_strips(const PictureView& view, const PixelRect& region,

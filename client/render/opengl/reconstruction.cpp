@@ -65,9 +65,8 @@ Result<void> Reconstruction::resize(glm::ivec2 size) {
   return {};
 }
 
-Result<void> Reconstruction::draw_backs(const InstanceBuffer& instances) {
+Result<void> Reconstruction::draw_backs(const InstanceBuffer& instances, std::uint32_t one_in) {
   TRY(back_.use());
-  const std::uint32_t one_in = one_back_in(instances.size());
   bind_instance_array(points_, instances);
   glEnable(GL_PROGRAM_POINT_SIZE);
   glUniform1f(0, kReach * std::sqrt(static_cast<float>(one_in)));

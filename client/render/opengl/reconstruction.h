@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -33,8 +34,8 @@ class Reconstruction {
   /// Sets the size of the pictures to come.
   Result<void> resize(glm::ivec2 size);
 
-  /// Draws the backs of some of the surfels into the depth buffer of the bound framebuffer.
-  Result<void> draw_backs(const InstanceBuffer& instances);
+  /// Draws the backs of one in `one_in` surfels into the depth buffer of the bound framebuffer.
+  Result<void> draw_backs(const InstanceBuffer& instances, std::uint32_t one_in);
 
   /// Sets `sums`, the only attachment of the bound framebuffer, to 0 where a hole shows a surface
   /// behind it. `depth` is that of the splats, `radius` that of a typical surfel in the scene, and

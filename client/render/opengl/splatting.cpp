@@ -60,7 +60,8 @@ Result<void> Splatter::draw_passes(InstancingMethod& method, const InstanceBuffe
     glBindFramebuffer(GL_FRAMEBUFFER, splats_.name());
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     TRY(method.draw(instances, Pass::surfel_depth, {scales.visibility, kDepthTolerance}));
-    if (fill_holes && !place.signs_unknown) TRY(reconstruction_.draw_backs(instances));
+    if (fill_holes && !place.signs_unknown)
+      TRY(reconstruction_.draw_backs(instances, place.one_back_in));
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthMask(GL_FALSE);
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 
 #include <glm/glm.hpp>
@@ -16,11 +17,12 @@ namespace pointreel {
 
 /// The surfels of a picture, all together.
 struct SplatPlace {
-  PixelRect region;            ///< contains all surfels at the size at which they are drawn
-  float radius = 0.0f;         ///< mean radius, not enlarged
-  float pixels = 0.0f;         ///< the same in pixels
-  float nearest = 0.0f;        ///< no surfel has a smaller depth; > 0
-  bool signs_unknown = false;  ///< normals may point to either side of the surface
+  PixelRect region;               ///< contains all surfels at the size at which they are drawn
+  float radius = 0.0f;            ///< mean radius, not enlarged
+  float pixels = 0.0f;            ///< the same in pixels
+  float nearest = 0.0f;           ///< no surfel has a smaller depth; > 0
+  bool signs_unknown = false;     ///< normals may point to either side of the surface
+  std::uint32_t one_back_in = 1;  ///< SceneInstances::one_back_in
 };
 
 /// Lights pixels once they are known.

@@ -212,19 +212,15 @@ void SoftwareRenderer::draw_surfels(const PictureView& view, const ShadingView* 
   const auto instances = memory_.instances();
 
   Laps laps;
-  const bool backs = fills && !signs_unknown;
+  const std::uint32_t one_in = fills && !signs_unknown ? instances_.one_back_in() : 0;
   color_splats_.set(
       instances, view, picture_.grid,
-      {scales.shading,
-       backs && scales.shading == scales.visibility ? hole_rules::one_back_in(instances.size()) : 0,
-       !means, late != nullptr},
+      {scales.shading, scales.shading == scales.visibility ? one_in : 0, !means, late != nullptr},
       executor_);
   const Splats* depth_splats = &color_splats_;
   if (two_passes && scales.visibility != scales.shading) {
-    depth_splats_.set(
-        instances, view, picture_.grid,
-        {scales.visibility, backs ? hole_rules::one_back_in(instances.size()) : 0, !means, false},
-        executor_);
+    depth_splats_.set(instances, view, picture_.grid, {scales.visibility, one_in, !means, false},
+                      executor_);
     depth_splats = &depth_splats_;
   }
 

@@ -62,11 +62,14 @@ export class Camera implements Viewpoint {
   get fovY(): number { return this.state[6]!; }
   get radius(): number { return this.state[7]!; }
 
-  frameBounds(box: Box, aspect: number): void {
+  private show(name: string, box: Box, ...args: number[]): void {
     const [at, bounds] = this.module.put(this.state, Float64Array.of(...box.min, ...box.max));
-    this.module.call("pr_camera_frame_bounds", at!, bounds!, aspect);
+    this.module.call(name, at!, bounds!, ...args);
     this.state.set(this.module.doubles(at!, 9));
   }
+  frameBounds(box: Box, aspect: number): void { this.show("pr_camera_frame_bounds", box, aspect); }
+  /** From where it looks now. `covered`: the share of the picture's height, at its bottom, that is to stay free. */
+  fit(box: Box, aspect: number, covered: number): void { this.show("pr_camera_fit", box, aspect, covered); }
   orbit(yaw: number, pitch: number): void { this.change("pr_camera_orbit", yaw, pitch); }
   pan(right: number, up: number): void { this.change("pr_camera_pan", right, up); }
   zoom(factor: number): void { this.change("pr_camera_zoom", factor); }

@@ -137,6 +137,7 @@ export class PointreelPlayer extends HTMLElement implements Declared {
     if (this.hasAttribute("controls") && !this.controlsShown) {
       this.controlsShown = new Controls(this, this.canvas, this.player);
       this.shadowRoot!.append(this.controlsShown.root);
+      this.player.covered = () => this.controlsShown?.covered ?? 0;
       this.controlsShown.update();
     } else if (!this.hasAttribute("controls")) {
       this.controlsShown?.root.remove();

@@ -65,7 +65,7 @@ export async function showList(root: HTMLElement, base: URL, token: string | nul
                                            element("small", {}, facts))));
     return picture;
   };
-  for (const { name, publishing, viewers } of streams) {
+  for (const { name, publishing, viewers } of streams.filter((stream) => typeof stream?.name === "string")) {
     const picture = add(new URL(`?live=${encodeURIComponent(name)}`, base), name,
                         publishing ? `live, ${viewers} watching` : "not live at the moment", true);
     const stream = new URL(`live/${encodeURIComponent(name)}`, base);

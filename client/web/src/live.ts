@@ -194,7 +194,8 @@ export class LivePlayback {
     const f = this.module.doubles(found, 7), worker = pool.idlest(), life = pool.life(worker);
     const bytes = this.module.bytes(f[4]!, f[5]!).slice();
     const sizes = Uint32Array.from(this.module.ints(f[6]!, 3 * f[2]!));
-    const how = preparation(look, WHOLE_FRAME, f[0]!, f[1]!, [0, 0, 0, 1], DECODE_BYTES, this.scalars);
+    const how = preparation(look, WHOLE_FRAME, f[0]!, f[1]!, [0, 0, 0, 1], DECODE_BYTES,
+                            { scalars: this.scalars, normalsEstimated: false });
     const key = nextKey++, { number } = look, shownAt = { capture: f[1]! / 1000, held: this.hold.held };
     this.busy = true;
     pool.prepare(worker, key, { bytes, sizes, video: null }, 0, how, viewOf(look, this.place)).then((done) => {

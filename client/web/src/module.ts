@@ -137,6 +137,8 @@ export interface Packed {
   turnedAway: number;
   /** With lighting: the strength of the flat light. */
   light: number;
+  /** One in this many surfels keeps its back. */
+  oneBackIn: number;
 }
 export const ROW_INSTANCES = 2048;
 const INSTANCE_BYTES = 32;
@@ -179,7 +181,7 @@ export function viewBox(module: Module, bounds: Box, boxes: Float64Array): Box {
 
 /** `view`: a PrView. */
 export function pack(module: Module, key: number, view: Float64Array): Packed {
-  const p = module.doubles(module.made("pr_pack", key, module.put(view)[0]!), 24);
+  const p = module.doubles(module.made("pr_pack", key, module.put(view)[0]!), 25);
   const count = p[1]!, rows = Math.max(1, Math.ceil(count / ROW_INSTANCES));
   const instances = new Uint8Array(rows * ROW_INSTANCES * INSTANCE_BYTES);
   instances.set(module.bytes(p[0]!, count * INSTANCE_BYTES));
@@ -187,6 +189,6 @@ export function pack(module: Module, key: number, view: Float64Array): Packed {
     instances: instances.buffer, count, origin: vec3(p, 2), bounds: p.slice(5, 14),
     normalsEstimated: p[14] !== 0, visited: p[15]!, outOfView: p[16]!, hidden: p[17]!,
     points: p[18]!, indices: module.uints(p[19]!, p[20]! + p[21]! + p[22]!),
-    facing: p[20]!, mixed: p[21]!, turnedAway: p[22]!, light: p[23]!,
+    facing: p[20]!, mixed: p[21]!, turnedAway: p[22]!, light: p[23]!, oneBackIn: p[24]!,
   };
 }

@@ -207,7 +207,7 @@ export class ReelPlayback {
     const chunks = this.store.chunks(frame, this.wanted, end);
     const segment = this.reel.segment(frame), key = nextKey++, { number } = look;
     const level = this.level, life = this.pool.life(worker);
-    const how = preparation(look, level, frame, this.reel.timesUs[frame]!, segment.cube, DECODE_BYTES, this.reel.scalars);
+    const how = preparation(look, level, frame, this.reel.timesUs[frame]!, segment.cube, DECODE_BYTES, this.reel);
     this.making.set(frame, end);
     this.pool.prepare(worker, key, chunks, this.tables, how, viewOf(look)).then((done) => {
       this.control.made(end, done.times.prepareMs);

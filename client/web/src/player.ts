@@ -108,6 +108,8 @@ export class Player {
   private isMuted = false;
   private homeAspect = 0;
   private home: Home = { up: null, direction: null };
+  /** The share of the picture's height that controls cover, at its bottom. */
+  covered = (): number => 0;
   /** To be applied once there is a camera. */
   firstView: ((camera: Camera) => void) | null = null;
 
@@ -329,6 +331,7 @@ export class Player {
     this.homeAspect = this.aspect;
     this.camera.frameBounds(box, this.aspect);
     if (this.home.direction) this.camera.lookAlong(this.home.direction);
+    this.camera.fit(box, this.aspect, this.covered());
     this.hasMoved = false;
     this.hasBounds = true;
     this.lookNumber += 1;

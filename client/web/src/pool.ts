@@ -28,11 +28,13 @@ export class Workers {
 
 /**
  * A job hangs if it takes so many times as long as the longest before it, but at least and at most so many milliseconds.
- * Until a job is done nothing is known; dense frames on a slow phone take a few seconds.
+ * Until a job is done nothing is known; dense frames on a slow phone take a few seconds. Nor do other jobs say how long
+ * the browser's decoder of video takes, which has the machine to share.
  */
 const HANGS = { times: 20, least: 3000, most: 15_000 };
 
 interface Waiting {
+  isVideo: boolean;
   resolve(done: Done): void;
   reject(error: Error): void;
 }
@@ -114,7 +116,7 @@ export class Pool {
   private ask(worker: number, message: ToWorker & { job: number }, transfer: Transferable[] = []): Promise<Done> {
     const hand = this.hands[worker]!;
     return new Promise((resolve, reject) => {
-      hand.jobs.set(message.job, { resolve, reject });
+      hand.jobs.set(message.job, { isVideo: message.type === "prepare" && message.video !== null, resolve, reject });
       hand.worker.postMessage(message, transfer);
       // Jobs that wait behind another must not give that one more time.
       if (hand.jobs.size === 1) this.watch(hand);
@@ -145,7 +147,7 @@ export class Pool {
     if (data.type === "done") {
       hand.memory = data.memory;
       const took = data.times.prepareMs + data.times.packMs;
-      this.longest = this.longest === Infinity ? took : Math.max(this.longest, took);
+      if (!waiting?.isVideo) this.longest = this.longest === Infinity ? took : Math.max(this.longest, took);
       waiting?.resolve(data);
       return;
     }
@@ -155,8 +157,10 @@ export class Pool {
 
   private watch(hand: Hand): void {
     clearTimeout(hand.timer);
-    if (hand.jobs.size === 0) return;
-    const limit = Math.min(Math.max(HANGS.times * this.longest, HANGS.least), HANGS.most);
+    const [first] = hand.jobs.values();
+    if (!first) return;
+    const expected = first.isVideo ? Infinity : HANGS.times * this.longest;
+    const limit = Math.min(Math.max(expected, HANGS.least), HANGS.most);
     hand.timer = window.setTimeout(() => this.hangs(hand), limit);
   }
   private hangs(hand: Hand): void {

@@ -31,7 +31,7 @@ export interface Segment {
 
 const TEXT = { name: 0, codec: 1, entropy: 2, layer: 3, tablesPath: 4, tablesChecksum: 5, session: 6, audioPath: 7, scalar: 8 };
 /** PrReelInfo. */
-const INFO_NUMBERS = 27;
+const INFO_NUMBERS = 28;
 const layersIn = (words: Int32Array): Layers =>
   ({ first: words[0]!, end: words[1]!, colors: words[2]!, normals: words[3]! });
 
@@ -62,6 +62,7 @@ export class Reel {
   readonly scalars: readonly ScalarRange[];
   /** Frames of a group whose video is decoded together; 0: it has no video. */
   readonly groupFrames: number;
+  readonly normalsEstimated: boolean;
   readonly timesUs: Float64Array;
   private readonly files = new Map<number, string>();
   private readonly groups = new Map<number, { first: number; frames: number }>();
@@ -80,6 +81,7 @@ export class Reel {
     this.audioBytes = i[24]!;
     this.scalars = scalarsOf(module, handle);
     this.groupFrames = i[26]!;
+    this.normalsEstimated = i[27] !== 0;
     this.timesUs = module.doubles(module.call("pr_reel_times", handle), this.frames);
   }
   static read(module: Module, manifest: Uint8Array): Reel {

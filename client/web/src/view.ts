@@ -56,12 +56,14 @@ export interface Preparation {
   scalar: Float64Array;
 }
 
-/** `scalars`: the fields of the source. */
+/** `of`: what the source says of all its frames. */
 export function preparation(look: Look, level: number, index: number, timeUs: number, cube: readonly number[],
-                            maxMemory: number, scalars: readonly ScalarRange[]): Preparation {
-  const { mode, normals, scalar } = kindOf(look), source = scalars.find(({ name }) => name === scalar?.field);
+                            maxMemory: number, of: { scalars: readonly ScalarRange[], normalsEstimated: boolean },
+                            ): Preparation {
+  const { mode, normals, scalar } = kindOf(look), source = of.scalars.find(({ name }) => name === scalar?.field);
   return {
-    options: Float64Array.of(MODES.indexOf(mode), level, -1, Number(normals), maxMemory, index, timeUs, ...cube),
+    options: Float64Array.of(MODES.indexOf(mode), level, -1, Number(normals), maxMemory, index, timeUs, ...cube,
+                             Number(of.normalsEstimated)),
     field: scalar?.field ?? "",
     scalar: Float64Array.of(...(scalar?.range ?? [NaN, NaN]), Number(source !== undefined),
                             source?.least ?? 0, source?.most ?? 0, Number(source?.labels ?? false)),

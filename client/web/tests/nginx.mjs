@@ -1,7 +1,7 @@
 // node nginx.mjs BUILD FOLDER: nginx alone serves the page and a reel, configured by server/nginx/page.conf.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { accessSync, cpSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { accessSync, cpSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
 import { join } from "node:path";
 import { test } from "node:test";
@@ -62,10 +62,25 @@ test("the page and a reel come from nginx alone", async () => {
   await close();
 });
 
-test("a page of one's own may lie beside the reels", async () => {
-  writeFileSync(join(site, "my.html"), "<title>my page</title>");
-  assert.match(await (await fetch(`${url}/my.html`)).text(), /my page/);
+test("a page of one's own may lie beside the reels, and embed the player", async () => {
+  // The files of the npm package are those of the page.
+  const [page] = readdirSync(join(site, "page"));
+  cpSync(join(site, "page", page), join(site, "node_modules/pointreel-player/player"), { recursive: true });
+  writeFileSync(join(site, "my.css"), "h1 { color: rgb(1, 2, 3); }");
+  writeFileSync(join(site, "my.html"), `<!DOCTYPE html><link rel="stylesheet" href="my.css"><h1>my page</h1>
+    <script type="module" src="node_modules/pointreel-player/player/element.js"></script>
+    <pointreel-player src="reel/reel.json" style="display: block; width: 320px; height: 200px"></pointreel-player>
+    <iframe src="index.html?reel=reel/reel.json"></iframe>`);
+  const { tab, close } = await openTab(browser, `${url}/my.html`);
+  await until(tab, () => document.querySelector("pointreel-player")?.player?.pictures > 0, "a picture", 60_000);
+  assert.deepEqual(await tab.evaluate(() => [document.querySelector("pointreel-player").clientWidth,
+                                             document.querySelector("pointreel-player").clientHeight,
+                                             getComputedStyle(document.querySelector("h1")).color]),
+                   [320, 200, "rgb(1, 2, 3)"]);
+  await until(tab, () => frames[0].document.querySelector("pointreel-player")?.player?.pictures > 0, "a frame", 60_000);
+  await close();
   assert.equal((await fetch(`${url}/other.html`)).status, 404);
+  assert.equal((await fetch(`${url}/node_modules/pointreel-player/package.json`)).status, 404);
 });
 
 test("the address of the folder lists the packages, and that of a package plays it", async () => {

@@ -52,6 +52,11 @@ async function compare(name, path, drawing, { floor = false, corner = [0, 0] } =
   const tab = tabs.get(path), file = join(scratch, `${name}.png`);
   await tab.evaluate(([drawing, floor]) => {
     const player = document.querySelector("pointreel-player");
+    // The first view leaves room for controls, which the desktop's picture has not.
+    if (player.controls) {
+      player.controls = false;
+      player.player.lookHome();
+    }
     for (const key of ["mode", "color", "color-range", "light", "environment", "roughness"]) player.setAttribute(key, drawing[key] ?? "");
     player.player.set({ floor });
   }, [{ ...drawing, ...(drawing.environment ? { environment: `/${basename(reel)}/${basename(environment)}` } : {}) }, floor]);

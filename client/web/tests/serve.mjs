@@ -17,10 +17,11 @@ const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker
  * `damage`: changes what is sent of a reel's files; its arguments are the path and the bytes. Null: the file is missing.
  * `ranges`: false sends whole files, whatever is asked for.
  * `silent`: whether a request for this path is never answered.
+ * `lateMs`: for how long an answer for this path is held back.
  * `plain`: serves files and nothing else: "/" is the page for everybody, and the list is reels.json.
  * `others`: more entries of the list.
  */
-export function serve(page, reels, requests = [], { damage = null, ranges = true, silent = () => false, plain = false, others = [] } = {}) {
+export function serve(page, reels, requests = [], { damage = null, ranges = true, silent = () => false, lateMs = () => 0, plain = false, others = [] } = {}) {
   const folders = new Map(reels.map((reel) => [basename(reel), reel]));
   const list = () => JSON.stringify({
     packages: [...folders].map(([name, folder]) => {
@@ -32,10 +33,11 @@ export function serve(page, reels, requests = [], { damage = null, ranges = true
     }).concat(others),
     streams: [],
   });
-  const server = createServer((request, response) => {
+  const server = createServer(async (request, response) => {
     const path = normalize(decodeURIComponent(new URL(request.url, "http://here").pathname));
     requests.push({ path, range: request.headers.range ?? null, at: Date.now() });
     if (silent(path)) return;
+    if (lateMs(path) > 0) await new Promise((resolve) => setTimeout(resolve, lateMs(path)));
     const [, first, ...rest] = path.split("/");
     const asksPage = (request.headers.accept ?? "").includes("text/html");
     const isShown = path === "/" || path === "/index.html" || (!plain && folders.has(first) && rest.join("") === "");
@@ -67,10 +69,11 @@ export function serve(page, reels, requests = [], { damage = null, ranges = true
     if (damaged) response.end(damaged);
     else createReadStream(file, { start: from, end: to }).pipe(response);
   });
+  server.unref();  // a test that fails before it closes its server must not hang
   return new Promise((resolve) => server.listen(0, "127.0.0.1", () => resolve({ server, port: server.address().port })));
 }
 
 if (process.argv[1] && import.meta.url.endsWith(basename(process.argv[1]))) {
   const [page, ...reels] = process.argv.slice(2);
-  serve(page, reels).then(({ port }) => console.log(port));
+  serve(page, reels).then(({ server, port }) => { server.ref(); console.log(port); });
 }

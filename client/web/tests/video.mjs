@@ -63,8 +63,10 @@ test("a decoder that takes seconds for each picture, as on a busy machine, is wa
       constructor(init) { super({ ...init, output: (frame) => setTimeout(() => init.output(frame), SLOW_MS) }); }
       flush() { return super.flush().then(() => new Promise((resolve) => setTimeout(resolve, SLOW_MS + 100))); }
     };\n` + readFileSync(worker, "utf8"));
-  const other = await serve(slow, [reel]);
+  // Octrees are made before, in milliseconds, which is no measure for a decoder.
+  const other = await serve(slow, [reel], [], { lateMs: (path) => (/\.video\./.test(path) ? 1000 : 0) });
   const { tab, close } = await openTab(browser, `http://127.0.0.1:${other.port}/video#t=0`);
+  await until(tab, () => document.querySelector("pointreel-player")?.player.reel?.shown, "the octree is shown");
   for (const frame of [0, 1, 18]) {
     await ask(tab, `player.currentTime = player.player.reel.reel.timesUs[${frame}] / 1e6`);
     await until(tab, new Function(`const { frame, player } = document.querySelector("pointreel-player");

@@ -69,6 +69,10 @@ void pr_camera_frame_bounds(PrCamera* camera, const double* box, double aspect) 
   change(*camera, [&](Camera& c) { c.frame_bounds(box_of(box), aspect); });
 }
 
+void pr_camera_fit(PrCamera* camera, const double* box, double aspect, double covered) {
+  change(*camera, [&](Camera& c) { c.fit(box_of(box), aspect, covered); });
+}
+
 void pr_camera_orbit(PrCamera* camera, double yaw_by, double pitch_by) {
   change(*camera, [&](Camera& c) { c.orbit(yaw_by, pitch_by); });
 }

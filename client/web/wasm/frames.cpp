@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "client/prepare/prepare.h"
+#include "client/render/hole_rules.h"
 #include "client/render/instances.h"
 #include "client/render/view.h"
 #include "client/scene/cut.h"
@@ -80,9 +81,10 @@ PrepareOptions options_of(const PrPrepare& wanted) {
 }
 
 FrameInfo info_of(const PrPrepare& wanted) {
-  return {static_cast<std::uint32_t>(wanted.index),
-          static_cast<std::uint64_t>(wanted.time_us),
-          {vector_of(wanted.cube_origin), wanted.cube_edge}};
+  return {.index = static_cast<std::uint32_t>(wanted.index),
+          .time_us = static_cast<std::uint64_t>(wanted.time_us),
+          .cube = {vector_of(wanted.cube_origin), wanted.cube_edge},
+          .normals_estimated = wanted.normals_estimated != 0.0};
 }
 
 PrError keep(std::uint32_t key, Result<SceneFrame> frame) {
@@ -304,6 +306,7 @@ const PrPacked* pr_pack(std::uint32_t key, const PrView* view) {
   answer.bounds.all_radii = bounds.all_radii;
   answer.bounds.count = static_cast<double>(bounds.count);
   answer.normals_estimated = frame.normals_estimated;
+  answer.one_back_in = hole_rules::one_back_in(count);
   answer.light = light_strength(true, shows_own_colors(frame, style.color));
   answer.visited = stats.visited;
   answer.out_of_view = stats.out_of_view;

@@ -97,15 +97,16 @@ struct PrReelInfo {
   double max_error;     ///< how far points may be from where they were; -1: nobody says
   double tables_bytes;  ///< size of the file of the reel's own tables; 0: it has none
   // For a reel that is still being captured:
-  double live;              ///< more frames may come; if not, what follows is 0
-  double live_first_frame;  ///< how many frames of the session came before the first of the reel
-  double live_start_us;     ///< Unix time of the reel's time 0
-  double live_ended;        ///< no publisher is connected at the moment
-  double audio_bytes;       ///< size of the file of sound; 0: it has none
-  double scalars;           ///< scalar fields that any frame has
-  double group_frames;      ///< of video: PrGroup; otherwise 0
+  double live;               ///< more frames may come; if not, what follows is 0
+  double live_first_frame;   ///< how many frames of the session came before the first of the reel
+  double live_start_us;      ///< Unix time of the reel's time 0
+  double live_ended;         ///< no publisher is connected at the moment
+  double audio_bytes;        ///< size of the file of sound; 0: it has none
+  double scalars;            ///< scalar fields that any frame has
+  double group_frames;       ///< of video: PrGroup; otherwise 0
+  double normals_estimated;  ///< normals may point to either side
 };
-static_assert(sizeof(PrReelInfo) == 27 * 8);
+static_assert(sizeof(PrReelInfo) == 28 * 8);
 
 /// The bytes of a reel.json.
 PR_EXPORT(PrReel*, pr_reel_new)(const char* text, std::uint32_t size);
@@ -197,6 +198,7 @@ static_assert(sizeof(PrCamera) == 9 * 8);
 PR_EXPORT(void, pr_camera_init)(PrCamera* camera, double up);
 /// `box`: min and max, 6 numbers.
 PR_EXPORT(void, pr_camera_frame_bounds)(PrCamera* camera, const double* box, double aspect);
+PR_EXPORT(void, pr_camera_fit)(PrCamera* camera, const double* box, double aspect, double covered);
 PR_EXPORT(void, pr_camera_orbit)(PrCamera* camera, double yaw_by, double pitch_by);
 PR_EXPORT(void, pr_camera_pan)(PrCamera* camera, double right_by, double up_by);
 PR_EXPORT(void, pr_camera_zoom)(PrCamera* camera, double factor);
@@ -372,8 +374,9 @@ struct PrPrepare {
   double index;                      ///< of the frame in its reel, or its number in the stream
   double time_us;                    ///< from the reel's start, or when it was captured
   double cube_origin[3], cube_edge;  ///< PrSegment's; not needed for octree frames and files
+  double normals_estimated;          ///< PrReelInfo's; 0 where there is none
 };
-static_assert(sizeof(PrPrepare) == 11 * 8);
+static_assert(sizeof(PrPrepare) == 12 * 8);
 
 /// How a scalar field is shown in place of colours (ScalarChoice).
 struct PrScalar {
@@ -502,9 +505,10 @@ struct PrPacked {
   /// How many indices: of triangles that face the eye, of others, and of those that are turned away
   /// (client/scene/strip_cut.h), in this order.
   double facing, mixed, turned_away;
-  double light;  ///< with lighting: client/render/view.h, light_strength
+  double light;        ///< with lighting: client/render/view.h, light_strength
+  double one_back_in;  ///< client/render/hole_rules.h
 };
-static_assert(sizeof(PrPacked) == 24 * 8);
+static_assert(sizeof(PrPacked) == 25 * 8);
 
 /// The elements of a frame that the camera sees, 32 bytes each (client/render/instance.h): centre
 /// and radius as floats, the normal as four signed 16-bit numbers (times 32767), the colour as four

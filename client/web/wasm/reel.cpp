@@ -49,6 +49,7 @@ PrReel pointreel::reel_of(Manifest manifest) {
   info.colors = manifest.colors;
   info.normals = manifest.normals;
   info.partial = manifest.partial;
+  info.normals_estimated = manifest.normals_estimated;
   copy(manifest.bounds.min, info.bounds_min);
   copy(manifest.bounds.max, info.bounds_max);
   info.max_error = manifest.max_error.value_or(-1.0);

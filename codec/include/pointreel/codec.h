@@ -44,6 +44,9 @@ inline constexpr int kLosslessColorQuality = 100;
 inline constexpr int kDefaultNormalQuality = 43;
 inline constexpr int kBestNormalQuality = 100;
 
+/// No step of a scalar field is smaller than its range divided by this.
+inline constexpr double kMostScalarSteps = 32'767.0;
+
 /// How finely a scalar field is coded.
 struct ScalarStep {
   std::string name;   ///< of the field
@@ -75,7 +78,7 @@ struct OctreeOptions {
   bool scalars = true;
   /// The steps of fields. Those that are not listed are kept exactly if all their values are whole
   /// numbers that span no more than 255; otherwise their step is 1/255 of the range that holds all
-  /// values but the 1/1000 at either end. No step is less than 1/32767 of a field's whole range.
+  /// values but the 1/1000 at either end. See kMostScalarSteps.
   std::vector<ScalarStep> scalar_steps = {};
 };
 

@@ -153,6 +153,9 @@ struct Manifest : ReelHead {
   /// Some frames have fewer layers than their headers say, because a live link did not carry all of
   /// them. Such frames are coarser, not damaged.
   bool partial = false;
+  /// Normals, of some frames at least, were estimated from the points, and may point to either side
+  /// of the surface.
+  bool normals_estimated = false;
   std::vector<Segment> segments;
 
   std::uint32_t frame_count() const;

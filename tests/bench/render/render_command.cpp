@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 struct Options {
-  std::string folder = "render";
+  std::string folder = default_folder("render");
   std::string json;
   std::vector<std::string> scenes;
   int poses = 1;
@@ -190,8 +190,7 @@ Result<json> write_render_report(const Options& options) {
   if (options.scenes.empty() && !options.only_software) {
     report["playback"] = TRY(measure_playback(folder, effort.played_frames));
   }
-  const std::vector<Bar> bars = render_bars(report);
-  report["bars"] = to_json(bars);
+  report["bars"] = to_json(render_bars(report), options.quick);
   report["seconds"] = (now_ms() - begin) / 1000.0;
   return report;
 }
@@ -199,9 +198,13 @@ Result<json> write_render_report(const Options& options) {
 Result<void> write_files(const Options& options, const json& report) {
   const fs::path folder = options.folder;
   const std::string text = to_render_markdown(report);
-  if (options.json != "-") print_lines(text);
   TRY(write_text(folder / "report.md", text));
   TRY(write_text(folder / "report.json", report.dump(2) + "\n"));
+  if (options.json != "-") {
+    print_lines(text);
+    print("Written: {}, and beside it report.json and the pictures\n",
+          (folder / "report.md").string());
+  }
   return options.json.empty() ? Result<void>{} : write_json(options.json, report);
 }
 

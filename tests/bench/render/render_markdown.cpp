@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "tests/bench/measure.h"
 #include "tests/bench/output.h"
 #include "tests/bench/table.h"
 
@@ -228,19 +229,6 @@ std::string software_tables(const json& report) {
       largest("software"), largest("opengl"), largest("truth"));
 }
 
-std::string bars_table(const json& report) {
-  Table table({"bar", "value", "limit", "holds"});
-  for (const json& bar : report["bars"]) {
-    const std::string unit = bar["unit"];
-    const auto with_unit = [&unit](const json& value) {
-      return fmt::format("{:.4g}{}{}", number(value), unit.empty() ? "" : " ", unit);
-    };
-    table.row({bar["name"], with_unit(bar["value"]), with_unit(bar["limit"]),
-               bar["holds"].get<bool>() ? "yes" : "NO"});
-  }
-  return table.text();
-}
-
 }  // namespace
 
 std::string to_render_markdown(const json& report) {
@@ -292,7 +280,7 @@ std::string to_render_markdown(const json& report) {
       "Table IV: voxels as whole cubes, octree for delta = 5 %.\n\n" +
       times_table(report, "voxels") +
       "Traversal of the octree of the whole figure on one thread.\n\n" + traversals(report) +
-      playback_table(report) + software_tables(report) + "## Bars\n\n" + bars_table(report);
+      playback_table(report) + software_tables(report) + bars_chapter(report);
   return out;
 }
 

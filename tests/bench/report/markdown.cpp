@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "tests/bench/measure.h"
 #include "tests/bench/output.h"
 #include "tests/bench/table.h"
 
@@ -164,17 +165,6 @@ std::string stability(const json& checks) {
   return table.text();
 }
 
-std::string bars(const json& list) {
-  Table table({"bar", "value", "limit", ""});
-  for (const json& bar : list) {
-    table.row({bar["name"],
-               fmt::format("{:.4g} {}", number(bar["value"]), bar["unit"].get<std::string>()),
-               fmt::format("{:g}", number(bar["limit"])),
-               bar["holds"].get<bool>() ? "holds" : "**fails**"});
-  }
-  return table.text();
-}
-
 }  // namespace
 
 std::string to_markdown(const json& report) {
@@ -213,7 +203,7 @@ std::string to_markdown(const json& report) {
       "bytes to a tree that can be traversed. Memory is\nthe peak of `pointreel-server pack` and "
       "`unpack` on one thread.\n\n" +
       codecs(report["codecs"]) + "## Numerical stability\n\n" + stability(report["stability"]) +
-      "## Bars\n\nThe limits that these figures should meet.\n\n" + bars(report["bars"]);
+      bars_chapter(report);
   return out;
 }
 

@@ -261,13 +261,15 @@ Result<void> write_report(const fs::path& folder, bool quick) {
     report["stability"].push_back(to_json(check));
   }
   const std::vector<Bar> bars = bars_of(report);
-  report["bars"] = to_json(bars);
+  report["bars"] = to_json(bars, quick);
   report["seconds"] = (now_ms() - begin) / 1000.0;
 
   TRY(draw_plots(folder, report["codecs"]));
   TRY(write_text(folder / "report.json", report.dump(2) + "\n"));
   TRY(write_text(folder / "report.md", to_markdown(report)));
-  print(bars);
+  print(bars, quick);
+  print("\nWritten: {}, and beside it report.json and the plots\n",
+        (folder / "report.md").string());
   return {};
 }
 
@@ -275,7 +277,7 @@ Result<void> write_report(const fs::path& folder, bool quick) {
 
 void add_report_command(cli::Command app, int& exit_code) {
   struct Options {
-    std::string folder = "report";
+    std::string folder = default_folder("report");
     bool quick = false;
   };
   const cli::Command command = app.add_subcommand(

@@ -43,9 +43,9 @@ Result<json> run_chapters(const std::string& name, const std::vector<StreamChapt
     }
     report[chapter.name] = *std::move(figures);
   }
-  report["bars"] = to_json(bars);
+  report["bars"] = to_json(bars, options.quick);
   report["seconds"] = (now_ms() - begin) / 1000.0;
-  if (options.json != "-") print(bars);
+  if (options.json != "-") print(bars, options.quick);
   return report;
 }
 

@@ -168,7 +168,7 @@ Result<json> measure_surface(bool quick) {
                                 {"rows", rows_of(treatments, measured)},
                                 {"close_views", to_json(measured.close)}});
   }
-  report["bars"] = to_json(surface_bars(report));
+  report["bars"] = to_json(surface_bars(report), quick);
   report["seconds"] = (now_ms() - begin) / 1000.0;
   return report;
 }
@@ -179,17 +179,20 @@ Result<void> write_surface_report(const fs::path& folder, bool quick) {
   if (error) return fail(ErrorCode::io, folder.string() + ": " + error.message());
   const json report = TRY(measure_surface(quick));
   const std::string text = to_surface_markdown(report);
-  print_lines(text);
   TRY(write_text(folder / "surface.json", report.dump(2) + "\n"));
   TRY(write_text(folder / "surface.md", text));
-  return draw_surface_plots(folder, report);
+  TRY(draw_surface_plots(folder, report));
+  print_lines(text);
+  print("Written: {}, and beside it surface.json and the plots\n",
+        (folder / "surface.md").string());
+  return {};
 }
 
 }  // namespace
 
 void add_surface_command(cli::Command app, int& exit_code) {
   struct Options {
-    std::string folder = "surface";
+    std::string folder = default_folder("surface");
     bool quick = false;
   };
   const cli::Command command = app.add_subcommand(

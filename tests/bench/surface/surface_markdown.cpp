@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "tests/bench/measure.h"
 #include "tests/bench/output.h"
 #include "tests/bench/surface/close_views.h"
 #include "tests/bench/table.h"
@@ -107,17 +108,6 @@ std::string sequences(const json& report, const std::string& group) {
   return table.text();
 }
 
-std::string bars(const json& list) {
-  Table table({"bar", "value", "limit", ""});
-  for (const json& bar : list) {
-    table.row({bar["name"],
-               fmt::format("{:.4g} {}", bar["value"].get<double>(), bar["unit"].get<std::string>()),
-               fmt::format("{:g}", bar["limit"].get<double>()),
-               bar["holds"].get<bool>() ? "holds" : "**fails**"});
-  }
-  return table.text();
-}
-
 }  // namespace
 
 std::string to_surface_markdown(const json& report) {
@@ -155,7 +145,7 @@ std::string to_surface_markdown(const json& report) {
            "Octrees of fixed depth:\n\n" + depths(group["rows"]) + "Each sequence:\n\n" +
            sequences(report, name);
   }
-  return out + "## Bars\n\nThe limits that these figures should meet.\n\n" + bars(report["bars"]);
+  return out + bars_chapter(report);
 }
 
 }  // namespace pointreel::bench

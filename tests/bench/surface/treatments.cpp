@@ -110,7 +110,7 @@ std::vector<Treatment> surface_treatments(bool quick) {
   for (const double millimetres : list({6, 10, 16, 25, 40, 64, 100}, {10, 40})) {
     treatments.push_back({.kind = radius, .value = millimetres / 1000.0});
   }
-  for (const double beta : list({0.0, 0.25, 0.75, 1.0}, {0.0})) {
+  for (const double beta : {0.0, 0.25, 0.75, 1.0}) {
     treatments.push_back({.kind = Treatment::Kind::beta, .value = beta});
   }
   const std::vector<double> passes =

@@ -8,8 +8,10 @@
     for frame in reel[20:40]:  # the next frames are decoded meanwhile
         ...
 
-All functions raise `pointreel.Error`, whose member `code` tells what kind of failure it was, and
-let other threads run while they fetch, decode or encode. Ctrl-C ends them.
+All functions raise `pointreel.Error` if something fails, whose member `code` tells what kind of
+failure it was, and TypeError or ValueError for arguments that make no sense. What is left out or
+guessed is a warning (`warnings.warn`). They let other threads run while they fetch, decode or
+encode. Ctrl-C ends them.
 """
 
 from __future__ import annotations
@@ -18,17 +20,23 @@ import collections
 import json
 import operator
 import os
-from typing import (Any, Deque, Dict, Iterable, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple,
-                    Union, overload)
+from typing import (Any, Collection, Deque, Dict, Generic, Iterable, Iterator, Mapping, NamedTuple,
+                    Optional, Sequence, Tuple, TypeVar, Union, overload)
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from ._arguments import (_check, _check_counts, _check_numbers, _check_texts, _color, _colors, _error,
+                         _named, _path, _rows, _scalars, _vector, _warn)
 from ._native import Error, Frame, __version__
 
 __all__ = ["Error", "Frame", "Frames", "Points", "Reel", "Live", "Publisher", "open", "live",
            "encode", "decode", "clean", "pack", "publish", "render", "__version__"]
+
+
+_EARLIEST = 1e9
+"""Times from here on, in 2001, are Unix times."""
 
 
 class Points(NamedTuple):
@@ -43,54 +51,11 @@ class Points(NamedTuple):
     origin: Tuple[float, float, float] = (0.0, 0.0, 0.0)
     """What positions of float32 are relative to."""
     time: Optional[float] = None
-    """Seconds from the reel's start; None: one frame's time after the frame before."""
+    """Seconds from the reel's start, or Unix time, from that of the first frame; None: one frame's
+    time after the frame before."""
     scalars: Optional[Mapping[str, Any]] = None
     """Up to 8 scalar fields, such as intensities or classes: name to n numbers, NaN where unknown.
     Draco frames leave them out."""
-
-
-def _error(message: str, code: str) -> Error:
-    error = Error(message)
-    error.code = code
-    return error
-
-
-def _rows(values: Any, name: str, dtype: Any = None) -> NDArray[Any]:
-    array = np.asarray(values)
-    if array.size == 0:
-        array = array.reshape(0, 3)
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"{name} has the shape {array.shape}, not n x 3")
-    if array.dtype.kind not in "fiub":
-        raise ValueError(f"{name} holds {array.dtype}, not numbers")
-    return np.ascontiguousarray(array, dtype)
-
-
-def _colors(values: Any) -> Optional[NDArray[Any]]:
-    if values is None:
-        return None
-    array = _rows(values, "colors")
-    if array.dtype.kind == "f":
-        # Interpolated colors may be a little outside.
-        outside = array[(array < -0.1) | (array > 1.1)]
-        if outside.size:
-            raise ValueError(f"float colors must be from 0 to 1, and there is a {outside[0]:g}")
-        rounded: NDArray[np.uint16] = np.rint(
-            np.clip(np.nan_to_num(array), 0.0, 1.0) * 65535.0).astype(np.uint16)
-        return rounded
-    if array.dtype in (np.uint8, np.uint16):
-        return array
-    raise ValueError(f"colors are uint8, uint16 or floats from 0 to 1, not {array.dtype}")
-
-
-def _scalars(values: Optional[Mapping[str, Any]]) -> Dict[str, NDArray[np.float32]]:
-    fields = {}
-    for name, numbers in (values or {}).items():
-        array = np.asarray(numbers)
-        if array.ndim != 1 or array.dtype.kind not in "fiub":
-            raise ValueError(f"the scalar field {name} is not a list of numbers, one for each point")
-        fields[str(name)] = np.ascontiguousarray(array, np.float32)
-    return fields
 
 
 def _arrays(points: Points) -> Tuple[NDArray[Any], Optional[NDArray[Any]],
@@ -99,9 +64,14 @@ def _arrays(points: Points) -> Tuple[NDArray[Any], Optional[NDArray[Any]],
     positions = _rows(points.positions, "positions")
     if positions.dtype != np.float64:
         positions = _rows(positions, "positions", np.float32)
+    lost = len(positions) - np.count_nonzero((np.abs(positions) < 1e38).all(axis=1))
+    if lost:
+        _warn(f"{lost} of {len(positions)} points have no finite position (NaN, infinite, or too "
+              "large for a float) and are left out")
     colors = _colors(points.colors)
     normals = None if points.normals is None else _rows(points.normals, "normals", np.float32)
-    return (positions, colors, normals, tuple(map(float, points.origin)),
+    _check_numbers(time=points.time)
+    return (positions, colors, normals, _vector(points.origin, "origin"),
             _scalars(points.scalars))
 
 
@@ -121,13 +91,39 @@ def _points_of(item: Any) -> Points:
     return Points(item)
 
 
-def _give(item: Any, add: Any, add_frame: Any) -> None:
-    """Gives a frame, of whatever kind, to one of these."""
+def _tell(native: Union[_native.Reel, _native.Writer]) -> None:
+    for line in native.said():
+        _warn(line)
+
+
+def _give(item: Any, add: Any, add_frame: Any, time: Optional[float] = None
+          ) -> Collection[str]:
+    """Gives a frame, of whatever kind, to one of these. `time`: of a `Frame`. Returns the names of
+    its scalar fields."""
     if isinstance(item, Frame):
-        add_frame(item, None)
-    else:
-        points = _points_of(item)
-        add(*_arrays(points), points.time)
+        add_frame(item, time)
+        return item.scalars
+    points = _points_of(item)
+    arrays = _arrays(points)
+    add(*arrays, points.time)
+    return arrays[-1]
+
+
+class _Steps:
+    """Tells where the names of scalar fields given by the user are of no use."""
+
+    def __init__(self, codec: str, steps: Optional[Mapping[str, float]]):
+        self._unused, self._draco, self._warned = set(steps or {}), codec == "draco", False
+
+    def see(self, fields: Collection[str]) -> None:
+        self._unused.difference_update(fields)
+        if self._draco and not self._warned and fields:
+            self._warned = True
+            _warn("scalar fields are left out: Draco frames have none")
+
+    def end(self) -> None:
+        if self._unused:
+            _warn(f"scalar_steps: no frame has the field {', '.join(sorted(self._unused))}")
 
 
 class Frames(Sequence[Frame]):
@@ -151,24 +147,71 @@ class Frames(Sequence[Frame]):
     def __iter__(self) -> Iterator[Frame]:
         return self._reel._ahead(self._indices)
 
+    @property
+    def fps(self) -> float:
+        """The nominal frame rate; `times` of the reel are authoritative."""
+        return self._reel.fps
+
+    @property
+    def up(self) -> str:
+        """The axis that points up: x, -x, y, -y, z or -z."""
+        return self._reel.up
+
     def __repr__(self) -> str:
         return f"<{len(self)} frames of {self._reel!r}>"
 
 
-class Reel(Frames):
+_Native = TypeVar("_Native", _native.Reel, _native.Live)
+_Self = TypeVar("_Self", bound="_Source[Any]")
+
+
+class _Source(Generic[_Native]):
+    """What frames come from until it is closed."""
+
+    _kind = ""
+
+    def __init__(self, native: _Native, layers: Optional[int], max_memory: Optional[int]):
+        self._native: Optional[_Native] = native
+        self._layers, self._max_memory = layers, max_memory
+
+    @property
+    def trouble(self) -> str:
+        """Why nothing comes over the network at present, or an empty text. For other threads."""
+        return self._opened().trouble()
+
+    def close(self) -> None:
+        """Gives back files and connections. Frames that were read stay."""
+        self._native = None
+
+    def __enter__(self: _Self) -> _Self:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    def _opened(self) -> _Native:
+        if self._native is None:
+            raise ValueError(f"the {self._kind} is closed")
+        return self._native
+
+
+class Reel(_Source[_native.Reel], Frames):
     """A sequence of frames: `reel[10]`, `reel[-1]`, `reel[::5]`, `for frame in reel`."""
+
+    _kind = "reel"
 
     def __init__(self, native: _native.Reel, layers: Optional[int], max_memory: Optional[int],
                  ahead: int):
-        super().__init__(self, range(len(native)))
-        self._native, self._layers = native, layers
-        self._max_memory, self._ahead_frames = max_memory, ahead
+        _Source.__init__(self, native, layers, max_memory)
+        Frames.__init__(self, self, range(len(native)))
+        self._ahead_frames = ahead
         self.metadata: Dict[str, Any] = json.loads(native.metadata())
         """What the package's reel.json says."""
         self.times: NDArray[np.float64] = native.times()
         """When each frame is shown: seconds from the reel's start."""
         self.bounds: Optional[NDArray[np.float64]] = native.bounds()
         """The smallest and the largest coordinates of all frames, 2 x 3."""
+        _tell(native)
 
     @property
     def name(self) -> str:
@@ -200,50 +243,83 @@ class Reel(Frames):
         return len(self.metadata["layers"])
 
     @property
-    def trouble(self) -> str:
-        """Why nothing comes over the network at present, or an empty text. For other threads."""
-        return self._native.trouble()
+    def captured(self) -> Optional[float]:
+        """Unix time at which the first frame was captured, where it is known."""
+        captured = self.metadata.get("captured_us")
+        return None if captured is None else float(captured) / 1e6
 
     def read(self, index: int, layers: Optional[int] = None) -> Frame:
         """A frame, of its first `layers` layers if that is given."""
-        return self._native.read(range(len(self))[index],
-                                 self._layers if layers is None else layers, self._max_memory)
+        _check_counts(layers=layers)
+        frame = self._opened().read(range(len(self))[index],
+                                    self._layers if layers is None else layers, self._max_memory)
+        _tell(self._opened())
+        return frame
 
     def _ahead(self, indices: range) -> Iterator[Frame]:
-        return self._native.read_ahead(list(indices), self._layers, self._max_memory,
-                                       self._ahead_frames)
+        frames = self._opened().read_ahead(list(indices), self._layers, self._max_memory,
+                                           self._ahead_frames)
+        return _Told(frames, self)
 
     def __repr__(self) -> str:
         return f"<pointreel.Reel {self.name!r} of {len(self)} frames>"
 
 
+class _Told(Iterator[Frame]):
+    """Frames of a reel, with the warnings about them. Threads may share it."""
+
+    def __init__(self, frames: _native.ReadAhead, reel: Reel):
+        self._frames, self._reel = frames, reel
+
+    def __next__(self) -> Frame:
+        frame = next(self._frames)
+        if self._reel._native is not None:
+            _tell(self._reel._native)
+        return frame
+
+
 def open(where: Union[str, os.PathLike[str]], *, layers: Optional[int] = None, ahead: int = 3,
          fps: Optional[float] = None, topic: str = "", token: str = "", ca_file: str = "",
-         follow_redirects: bool = False, max_memory: Optional[int] = None) -> Reel:
-    """Opens a package (its folder, its reel.json, or an http:// or https:// address of either), a
-    folder of files of points (PLY, Draco, PCD, LAS, text, OBJ, glTF, KITTI, nuScenes), one such
-    file, an MCAP recording of ROS 2, or depth: a folder with depth/*.png, or .mkv.
+         follow_redirects: bool = False, max_memory: Optional[int] = None,
+         columns: Union[str, Sequence[str]] = "", color_max: Optional[float] = None,
+         scale: float = 1.0, rotate: Tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Reel:
+    """Opens a package (its folder, its reel.json, or an http://, https:// or s3:// address of
+    either), a folder of files of points (PLY, Draco, PCD, LAS, text, numpy, OBJ, glTF, KITTI,
+    nuScenes), one such file, an MCAP recording of ROS 2, or depth: a folder with depth/*.png, or
+    .mkv. `with pointreel.open(...) as reel:` closes it.
 
     layers: fetch and decode the first layers of each frame only. ahead: how many frames iteration
     decodes ahead. fps: of folders of files, which do not tell it; 30, or the times of a recording.
     topic: of a recording that has several. token: bearer token for the server. ca_file:
     certificates to trust for https, in PEM form. max_memory: bytes that decoding a frame may take,
-    1 GiB by default.
+    1 GiB by default. Of files: columns, what the columns of text or of .bin files are, as in
+    "x,y,z,intensity"; color_max, what stands for full brightness, 1, 255 or 65535; scale, by which
+    coordinates are multiplied; rotate, degrees about the axes x, then y, then z.
     """
-    native = _native.Reel(os.fspath(where), fps, topic, token, ca_file, follow_redirects)
+    _check_texts(topic=topic, token=token, ca_file=ca_file)
+    _check_numbers(fps=fps, color_max=color_max, scale=scale)
+    _check_counts(layers=layers, max_memory=max_memory)
+    _check((int, np.integer), "a whole number", ahead=ahead)
+    if ahead < 0:
+        raise ValueError("ahead is at least 0")
+    names = columns.split(",") if isinstance(columns, str) else columns
+    _check(str, "the name of a column", **{f"columns[{i}]": name for i, name in enumerate(names)})
+    files = _native.FileOptions(fps, topic, ["_" if name.strip() == "-" else name.strip()
+                                             for name in names if name.strip()],
+                                color_max or 0.0, scale, _vector(rotate, "rotate"))
+    native = _native.Reel(_path(where), files, token, ca_file, bool(follow_redirects))
     return Reel(native, layers, max_memory, ahead)
 
 
-class Live:
+class Live(_Source[_native.Live], Iterator[Frame]):
     """Frames of a live stream as they come; it never ends by itself."""
+
+    _kind = "stream"
 
     def __init__(self, native: _native.Live, timeout: Optional[float], layers: Optional[int],
                  max_memory: Optional[int]):
-        self._native, self._timeout = native, timeout
-        self._layers, self._max_memory = layers, max_memory
-
-    def __iter__(self) -> Iterator[Frame]:
-        return self
+        super().__init__(native, layers, max_memory)
+        self._timeout = timeout
 
     def __next__(self) -> Frame:
         frame = self.next(self._timeout)
@@ -254,24 +330,25 @@ class Live:
     def next(self, timeout: Optional[float] = None) -> Optional[Frame]:
         """The newest frame that was not given yet; None if there is none within `timeout` seconds.
         A frame whose finest layers come late is given again."""
-        return self._native.next(timeout, self._layers, self._max_memory)
-
-    @property
-    def trouble(self) -> str:
-        """Why nothing comes, or an empty text."""
-        return self._native.trouble()
+        _check_numbers(timeout=timeout)
+        return self._opened().next(timeout, self._layers, self._max_memory)
 
 
 def live(url: str, *, timeout: Optional[float] = None, layers: Optional[int] = None,
          token: str = "", ca_file: str = "", follow_redirects: bool = False,
          max_memory: Optional[int] = None) -> Live:
-    """Watches ws(s)://HOST/live/NAME: `for frame in pointreel.live(url)`. Older frames are skipped
-    where the program is too slow for all. A broken connection is made again.
+    """Watches ws(s)://HOST/live/NAME, or http(s):// where only that passes: `for frame in
+    pointreel.live(url)`. Older frames are skipped where the program is too slow for all. A broken
+    connection is made again.
 
     timeout: seconds without a frame after which iteration raises TimeoutError; without it, it
     waits.
     """
-    return Live(_native.Live(url, token, ca_file, follow_redirects), timeout, layers, max_memory)
+    _check_texts(url=url, token=token, ca_file=ca_file)
+    _check_numbers(timeout=timeout)
+    _check_counts(layers=layers, max_memory=max_memory)
+    return Live(_native.Live(url, token, ca_file, bool(follow_redirects)), timeout, layers,
+                max_memory)
 
 
 def _encoding(codec: str, depth: Optional[int], voxel: Optional[float], delta: Optional[float],
@@ -284,11 +361,15 @@ def _encoding(codec: str, depth: Optional[int], voxel: Optional[float], delta: O
             raise _error(f"{name} must be above 0", "argument")
         return kind(value)
 
+    _check_texts(codec=codec)
+    steps = dict(scalar_steps or {})
+    _check_texts(**{f"the name of scalar_steps {i}": name for i, name in enumerate(steps)})
+    _check_numbers(**{f"scalar_steps[{name!r}]": step for name, step in steps.items()})
     return _native.Encoding(codec, number("depth", depth, operator.index),
                             number("voxel", voxel, float),
                             number("color_quality", color_quality, operator.index),
-                            number("normal_quality", normal_quality, operator.index), fast,
-                            number("delta", delta, float), dict(scalar_steps or {}))
+                            number("normal_quality", normal_quality, operator.index), bool(fast),
+                            number("delta", delta, float), steps)
 
 
 def encode(positions: Any, colors: Any = None, normals: Any = None, *,
@@ -307,15 +388,23 @@ def encode(positions: Any, colors: Any = None, normals: Any = None, *,
     scalar_steps: of scalar fields by name, in what steps their values are kept; by default exactly,
     or in 255 steps.
     """
+    encoding = _encoding(codec, depth, voxel, delta, color_quality, normal_quality, fast,
+                         scalar_steps)
     arrays = _arrays(Points(positions, colors, normals, origin, scalars=scalars))
-    return _native.encode(*arrays,
-                          _encoding(codec, depth, voxel, delta, color_quality, normal_quality, fast,
-                                    scalar_steps))
+    steps = _Steps(codec, scalar_steps)
+    steps.see(arrays[-1])
+    steps.end()
+    return _native.encode(*arrays, encoding)
 
 
 def decode(data: Any, *, layers: Optional[int] = None, max_memory: Optional[int] = None) -> Frame:
     """Decodes what `encode` made, or a whole file of points that is recognised by its first bytes.
     `data`: bytes, or anything with a buffer. `layers` and `max_memory` as for `open`."""
+    _check_counts(layers=layers, max_memory=max_memory)
+    try:
+        data = memoryview(data)
+    except TypeError:
+        raise TypeError(f"data is bytes, not {type(data).__name__}") from None
     return _native.decode(data, layers, max_memory)
 
 
@@ -329,58 +418,130 @@ def clean(frames: Iterable[Any], *, before: int = 2, after: int = 2,
     of a camera are not to wait for later ones: `after=0`. radius: within which the surface is
     smoothed, in the unit of the points; by default as much as the noise asks for.
     """
-    cleaner = _native.Cleaner(radius, before, after)
-    times: Deque[Optional[float]] = collections.deque()
+    _check_numbers(radius=radius)
+    _check((int, np.integer), "a whole number", before=before, after=after)
+    return _Cleaned(frames, _native.Cleaner(radius, before, after))
 
-    def cleaned() -> Iterator[Points]:
-        while True:
-            frame = cleaner.next()
-            if frame is None:
-                return
-            yield Points(frame.positions, frame.colors, frame.normals,
-                         tuple(frame.origin.tolist()), times.popleft(), frame.scalars)
 
-    for item in frames:
-        if not isinstance(item, Frame):
-            item = _points_of(item)
-        times.append(item.time if isinstance(item, Points) else None)
-        _give(item, cleaner.add, cleaner.add_frame)
+class _Cleaned(Iterator[Points]):
+    """Cleaned frames, with what `pack` takes from a reel."""
+
+    def __init__(self, frames: Iterable[Any], cleaner: _native.Cleaner):
+        for name in ("fps", "up"):
+            if hasattr(frames, name):
+                setattr(self, name, getattr(frames, name))
+        self._points = self._clean(frames, cleaner)
+
+    def __next__(self) -> Points:
+        return next(self._points)
+
+    @staticmethod
+    def _clean(frames: Iterable[Any], cleaner: _native.Cleaner) -> Iterator[Points]:
+        times: Deque[Optional[float]] = collections.deque()
+        start = _start_of(frames)
+
+        def cleaned() -> Iterator[Points]:
+            while True:
+                frame = cleaner.next()
+                if frame is None:
+                    return
+                yield Points(frame.positions, frame.colors, frame.normals,
+                             _vector(frame.origin, "origin"), times.popleft(), frame.scalars)
+
+        for item in frames:
+            if isinstance(item, Frame):
+                times.append(None if start is None else item.time - start)
+            else:
+                item = _points_of(item)
+                times.append(item.time)
+            _give(item, cleaner.add, cleaner.add_frame)
+            yield from cleaned()
+        cleaner.end()
         yield from cleaned()
-    cleaner.end()
-    yield from cleaned()
 
 
-def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: float = 30.0,
-         name: str = "", up: str = "y", replace: bool = False, segment: int = 30,
-         codec: str = "octree", depth: Optional[int] = None, voxel: Optional[float] = None,
-         delta: Optional[float] = None, color_quality: Optional[int] = None,
-         normal_quality: Optional[int] = None, fast: bool = False,
-         scalar_steps: Optional[Mapping[str, float]] = None) -> int:
+def _start_of(frames: Iterable[Any]) -> Optional[float]:
+    """When the first frame of a reel, or of a part of it, is shown; None if the frames are of
+    something else, or not in the order of their times."""
+    if isinstance(frames, Frames) and len(frames) > 0 and frames._indices.step > 0:
+        return float(frames._reel.times[frames._indices[0]])
+    return None
+
+
+def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: Optional[float] = None,
+         name: str = "", up: Optional[str] = None, replace: bool = False,
+         segment: Optional[int] = None, codec: str = "octree", depth: Optional[int] = None,
+         voxel: Optional[float] = None, delta: Optional[float] = None,
+         color_quality: Optional[int] = None, normal_quality: Optional[int] = None,
+         fast: bool = False, scalar_steps: Optional[Mapping[str, float]] = None,
+         bitrate: Union[float, str, None] = None, group: Optional[int] = None,
+         effort: Optional[int] = None, cube: str = "group", normals: str = "send",
+         best_effort: bool = False) -> int:
     """Writes a package, which players and servers take, and returns how many frames it has.
 
     frames: for each frame its positions, (positions, colors), (positions, colors, normals),
     `Points`, a dict with the same names, a `Frame`, or anything with points, colors and normals, as
-    Open3D's PointCloud. They may come from a generator: only a segment of them is held.
+    Open3D's PointCloud. They may come from a generator: only a segment of them is held. Of a reel, a
+    part of it, or `clean` of these, times, `fps` and `up` are kept; a list of its frames has none.
+    fps: by default that of the reel, or 30. up: the axis that points up, by default that of the
+    reel, or y.
 
     The package is complete or absent, whatever fails. replace: one that is already there. segment:
-    frames that share a file. The rest is as for `encode`. Noisy scans: `pack(clean(frames), path)`.
+    frames that share a cube and a file, 30, or of video 48. cube: "group", or "frame" for a cube of
+    its own for each frame. bitrate: bits per second, as a number or as in "20M", that no segment
+    exceeds on average; depth and qualities are lowered for this. normals: "send" those that frames
+    have; "estimate" those that they lack, too; "auto" does so where it pays, by the first frame;
+    "derive": send none, and let players estimate them. best_effort: warn instead of
+    failing, leave out stray points, and pack what lies too far apart or exceeds the bit rate.
+
+    codec: octree, draco, or video, which takes a fraction of the bits for dense, clean surfaces
+    that move. Of video, color_quality is that of depth, too; group: frames that are decoded
+    together, 24, up to 64; effort: from 0, the fastest, to 9, the smallest, by default 4. The rest
+    is as for `encode`. Noisy scans: `pack(clean(frames), path)`.
     """
     encoding = _encoding(codec, depth, voxel, delta, color_quality, normal_quality, fast,
                          scalar_steps)
-    writer = _native.Writer(os.fspath(path), name, fps, up, replace, segment, encoding)
+    if isinstance(frames, (str, bytes, os.PathLike, np.ndarray)):
+        raise TypeError(f"frames is a list of frames, not {type(frames).__name__}; "
+                        "pack([frame], path) packs one, pack(open(file), path) files")
+    fps = getattr(frames, "fps", 30.0) if fps is None else fps
+    up = getattr(frames, "up", "y") if up is None else up
+    _check_texts(name=name, up=up, cube=cube, normals=normals)
+    _check_numbers(fps=fps)
+    _check_counts(segment=segment, group=group)
+    _check((int, np.integer), "a whole number", effort=4 if effort is None else effort)
+    if bitrate is not None and not isinstance(bitrate, str):
+        _check_numbers(bitrate=bitrate)
+        bitrate = repr(float(bitrate))
+    packing = _native.Packing(encoding, bitrate, segment, group, effort, cube, normals,
+                              bool(best_effort))
+    writer = _native.Writer(_path(path), name, fps, up, bool(replace), packing)
+    start, unix_start = _start_of(frames), None
     count = 0
     for item in frames:
-        _give(item, writer.add, writer.add_frame)
+        time = None
+        if isinstance(item, Frame):
+            time = None if start is None else item.time - start
+        else:
+            item = _points_of(item)
+            if count == 0 and item.time is not None and item.time >= _EARLIEST:
+                unix_start = item.time
+            if unix_start is not None and item.time is not None:
+                item = item._replace(time=item.time - unix_start)
+        _give(item, writer.add, writer.add_frame, time)
+        _tell(writer)
         count += 1
     writer.finish()
+    _tell(writer)
     return count
 
 
 class Publisher:
     """A live stream that this program publishes."""
 
-    def __init__(self, native: _native.Publisher):
+    def __init__(self, native: _native.Publisher, steps: _Steps):
         self._native: Optional[_native.Publisher] = native
+        self._steps = steps
         self._last: Tuple[int, int, str] = (0, 0, "")
 
     def send(self, frame: Any) -> None:
@@ -389,7 +550,7 @@ class Publisher:
         frames are left out."""
         if self._native is None:
             raise ValueError("the stream is closed")
-        _give(frame, self._native.send, self._native.send_frame)
+        self._steps.see(_give(frame, self._native.send, self._native.send_frame))
 
     @property
     def sent(self) -> int:
@@ -424,6 +585,8 @@ class Publisher:
             self._native.flush()
             self._last = self._state()
             self._native = None
+            if self._last[0] > 0:
+                self._steps.end()
 
     def __enter__(self) -> Publisher:
         return self
@@ -443,33 +606,67 @@ def publish(url: str, *, token: str = "", ca_file: str = "", name: str = "", fps
     """Publishes frames as they come: `with pointreel.publish(url) as stream: stream.send(frame)`.
 
     url: ws(s)://HOST/live/NAME on a server that was started with --live. token: the server's for
-    publishers. fps: the nominal frame rate. A lost connection is restored. The rest is as for
+    publishers. fps: the nominal frame rate. A lost connection is restored, and a program that was
+    killed and started again by the same user takes the name back at once. The rest is as for
     `encode`, but octrees are `fast` by default.
     """
     encoding = _encoding(codec, depth, voxel, delta, color_quality, normal_quality,
                          fast and codec == "octree", scalar_steps)
-    return Publisher(_native.Publisher(url, token, ca_file, name, fps, up, encoding))
+    _check_texts(url=url, token=token, ca_file=ca_file, name=name, up=up)
+    _check((int, float, np.integer, np.floating), "a number", fps=fps)
+    return Publisher(_native.Publisher(url, token, ca_file, name, fps, up, encoding),
+                     _Steps(codec, scalar_steps))
 
 
 def render(frame: Any, *, size: Tuple[int, int] = (1280, 720), mode: str = "surfel",
-           view: Optional[Tuple[float, float]] = None, zoom: float = 1.0, up: str = "y",
-           bounds: Any = None, target: Optional[Tuple[float, float, float]] = None,
-           color: str = "colors", light: str = "flat",
-           background: Tuple[float, float, float] = (0.11, 0.12, 0.14)) -> NDArray[np.uint8]:
+           view: Union[str, Tuple[float, float], None] = None, zoom: float = 1.0, up: str = "y",
+           bounds: Any = None, target: Union[str, Tuple[float, float, float], None] = None,
+           color: str = "colors", color_range: Optional[Tuple[float, float]] = None,
+           light: str = "flat",
+           background: Union[str, Tuple[float, float, float]] = (0.11, 0.12, 0.14)
+           ) -> NDArray[np.uint8]:
     """Draws a frame without a display or a graphics card: uint8, height x width x 3, sRGB.
 
-    frame: a `Frame`, or whatever `pack` takes. mode: surfel, voxel, point or strip. view: yaw and
-    pitch of the camera in degrees, (0, 0) from the front; by default slightly from above. bounds:
-    what the picture shows, 2 x 3; give `reel.bounds` to draw several frames alike. target: what the
-    camera looks at, by default the middle of that. up: the axis that points up, as `reel.up`.
-    color: colors, normals, plain, curvature, accessibility, depth, contours, or the name of a scalar
-    field. light: flat, studio or none.
+    frame: a `Frame`, or whatever `pack` takes. mode: surfel, voxel, point or strip. view: front,
+    back, left, right, top or bottom, or yaw and pitch of the camera in degrees, (0, 0) from the
+    front; by default slightly from above. bounds: what the picture shows, 2 x 3; give `reel.bounds`
+    to draw several frames alike. target: what the camera looks at, a point, or feet, middle or head;
+    by default the middle of `bounds`. up: the axis that points up, as `reel.up`. color: colors,
+    normals, plain, curvature, accessibility, depth, contours, or the name of a scalar field;
+    color_range: the values at the ends of its ramp, by default those of the reel, or of the frame.
+    light: flat, studio or none. background: three numbers from 0 to 1, or "#rrggbb".
     """
+    _check_texts(mode=mode, up=up, color=color, light=light)
+    _check_numbers(zoom=zoom)
+    height = None
+    if isinstance(target, str):
+        height, target = _named("target", target, _native.heights), None
+    color_behind = _vector(_color(background) if isinstance(background, str) else background,
+                           "background")
+    if not all(0.0 <= part <= 1.0 for part in color_behind):
+        raise ValueError("background is three numbers from 0 to 1, or a text such as #ffffff")
+    try:
+        width, rows = map(operator.index, size)
+    except (TypeError, ValueError):
+        raise ValueError("size is the width and the height in pixels") from None
+    angles = None
+    if view is not None:
+        angles = tuple(map(float, _named("view", view, _native.views) if isinstance(view, str) else view))
+        if len(angles) != 2:
+            raise ValueError("view is yaw and pitch in degrees, or one of " + ", ".join(_native.views))
     if not isinstance(frame, Frame):
         frame = _native.frame(*_arrays(_points_of(frame)))
+    if color_range is not None:
+        try:
+            least, most = map(float, color_range)
+        except (TypeError, ValueError):
+            raise ValueError("color_range is two numbers") from None
+        color_range = least, most
     if bounds is not None:
-        bounds = np.asarray(bounds, dtype=np.float64).tolist()
-    return _native.picture(frame, operator.index(size[0]), operator.index(size[1]), mode,
-                           None if view is None else list(map(float, view)), zoom, up, bounds,
-                           list(map(float, background)), color, light,
-                           None if target is None else list(map(float, target)))
+        bounds = np.asarray(bounds, dtype=np.float64)
+        if bounds.shape != (2, 3):
+            raise ValueError(f"bounds has the shape {bounds.shape}, not 2 x 3")
+        bounds = bounds.tolist()
+    return _native.picture(frame, width, rows, mode, angles, zoom, up, bounds, color_behind, color,
+                           light, None if target is None else _vector(target, "target"), height,
+                           color_range)

@@ -25,7 +25,7 @@ export class Controls implements Interface {
   private silence = 0;
   private quiet = 0;
 
-  constructor(private readonly host: HTMLElement, canvas: HTMLCanvasElement, private readonly player: Player) {
+  constructor(private readonly host: HTMLElement, private readonly canvas: HTMLCanvasElement, private readonly player: Player) {
     this.timeline = new Timeline(player);
     this.drawing = new DrawingPanel(player, () => this.toggle("drawing"));
     this.statistics = new StatisticsPanel(player, () => this.toggle("statistics"));
@@ -52,6 +52,9 @@ export class Controls implements Interface {
     followPointers(canvas, player, (share) => player.scrub(share === null ? null : share * (player.reel?.reel.durationUs ?? 0)));
     this.wake();
   }
+
+  /** The share of the picture's height that the bar covers. */
+  get covered(): number { return this.bar.offsetHeight / Math.max(1, this.canvas.clientHeight); }
 
   private button(key: string, image: Icon, label: string, act: () => void): HTMLButtonElement {
     const made = element("button", { type: "button", "aria-label": label, title: label });

@@ -6,8 +6,6 @@ import { Programs } from "./shaders";
 const FINEST = 4;
 const FARTHEST = 2;
 const GAP = 6.5;
-const BACKS = 16384;
-const FEWEST = 4;
 const REACH = 1.2;
 const BACK_TOLERANCE = 1;
 
@@ -66,9 +64,8 @@ export class Reconstruction {
   }
 
   /** Into the depth buffer of the bound framebuffer. The instances are bound. */
-  drawBacks(count: number): void {
+  drawBacks(count: number, oneIn: number): void {
     const program = this.programs.back.get();
-    const oneIn = Math.min(Math.max(Math.floor(count / BACKS), 1), FEWEST);
     program.float("reach", REACH * Math.sqrt(oneIn));
     program.float("tolerance", BACK_TOLERANCE);
     program.uint("one_in", oneIn);

@@ -406,7 +406,7 @@ export class Renderer {
     gl.colorMask(false, false, false, false);
     for (const part of parts) {
       this.drawBoth(part, this.programs.surfelDepth, SCALE, SCALE, DEPTH_TOLERANCE, 6);
-      if (options.fillHoles && !signsUnknown) this.reconstruction.drawBacks(part.packed.count);
+      if (options.fillHoles && !signsUnknown) this.reconstruction.drawBacks(part.packed.count, part.packed.oneBackIn);
     }
     gl.colorMask(true, true, true, true);
     gl.depthMask(false);

@@ -1,0 +1,136 @@
+"""What programs give to pointreel: checked, and as arrays. Programs use pointreel itself."""
+
+from __future__ import annotations
+
+import collections.abc
+import os
+import re
+import sys
+import warnings
+from typing import Any, Dict, Mapping, Optional, Tuple, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._native import Error
+
+
+def _error(message: str, code: str) -> Error:
+    error = Error(message)
+    error.code = code
+    return error
+
+
+def _check(kind: Any, what: str, /, **arguments: Any) -> None:
+    """Refuses arguments that are not of this kind. The message of pybind11 would print all arguments
+    of the call, tokens among them."""
+    for argument, value in arguments.items():
+        if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
+            raise TypeError(f"{argument} is {what}, not {type(value).__name__}")
+
+
+def _check_texts(**arguments: Any) -> None:
+    _check(str, "a text", **arguments)
+
+
+def _check_numbers(**arguments: Any) -> None:
+    """None stands for the default."""
+    _check((int, float, np.integer, np.floating), "a number",
+           **{name: value for name, value in arguments.items() if value is not None})
+
+
+def _check_counts(**arguments: Any) -> None:
+    """None stands for the default."""
+    given = {name: value for name, value in arguments.items() if value is not None}
+    _check((int, np.integer), "a whole number", **given)
+    for name, value in given.items():
+        if value < 1:
+            raise ValueError(f"{name} is at least 1")
+
+
+def _path(where: Union[str, os.PathLike[str]]) -> str:
+    path = os.fspath(where)
+    if "\0" in path:
+        raise ValueError("a path has no null character")
+    return path
+
+
+def _vector(values: Any, name: str) -> Tuple[float, float, float]:
+    try:
+        x, y, z = map(float, values)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} is three numbers") from None
+    return x, y, z
+
+
+def _warn(message: str) -> None:
+    """Blames the line that called this package."""
+    level, caller = 1, sys._getframe()
+    while caller.f_back is not None and caller.f_globals.get("__package__") == __package__:
+        level, caller = level + 1, caller.f_back
+    warnings.warn(message, stacklevel=level)
+
+
+def _rows(values: Any, name: str, dtype: Any = None) -> NDArray[Any]:
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise ValueError(f"{name} has masked values: give {name}[~mask]")
+    array = np.asarray(values)
+    if array.size == 0:
+        array = array.reshape(0, 3)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"{name} has the shape {array.shape}, not n x 3")
+    if array.dtype.kind not in "fiub":
+        raise ValueError(f"{name} holds {array.dtype}, not numbers")
+    return np.ascontiguousarray(array, dtype)
+
+
+def _colors(values: Any) -> Optional[NDArray[Any]]:
+    if values is None:
+        return None
+    array = _rows(values, "colors")
+    if array.dtype.kind == "f":
+        # Interpolated colors may be a little outside.
+        outside = array[(array < -0.1) | (array > 1.1)]
+        if outside.size:
+            raise ValueError(f"float colors must be from 0 to 1, and there is a {outside[0]:g}")
+        unknown = np.count_nonzero(np.isnan(array))
+        if unknown:
+            _warn(f"{unknown} values of colors are not numbers and become 0")
+        rounded: NDArray[np.uint16] = np.rint(
+            np.clip(np.nan_to_num(array), 0.0, 1.0) * 65535.0).astype(np.uint16)
+        return rounded
+    if array.dtype in (np.uint8, np.uint16):
+        return array
+    raise ValueError(f"colors are uint8, uint16 or floats from 0 to 1, not {array.dtype}")
+
+
+def _scalars(values: Optional[Mapping[str, Any]]) -> Dict[str, NDArray[np.float32]]:
+    fields = {}
+    if values is not None and not isinstance(values, collections.abc.Mapping):
+        raise TypeError("scalars is a dict of arrays by name")
+    for name, numbers in (values or {}).items():
+        array = np.asarray(numbers)
+        if array.ndim != 1 or array.dtype.kind not in "fiub":
+            raise ValueError(f"the scalar field {name} is not a list of numbers, one for each point")
+        kept = np.ascontiguousarray(array, np.float32)
+        if array.dtype.itemsize > 2 and array.dtype != np.float32:
+            known = array[np.isfinite(array)].astype(np.float64)
+            lost = np.abs(known - known.astype(np.float32)).max(initial=0.0)
+            extent = np.ptp(known) if known.size else 0.0
+            if extent > 0.0 and lost > 0.5 * extent / 255.0:
+                _warn(f"the scalar field {name} is off by up to {lost:.3g}, because it is kept in 32 "
+                      "bits: subtract an offset from it before")
+        fields[str(name)] = kept
+    return fields
+
+
+def _named(argument: str, name: str, known: Mapping[str, Any]) -> Any:
+    if name not in known:
+        raise ValueError(f"{argument} is one of {', '.join(known)}, or numbers, not {name!r}")
+    return known[name]
+
+
+def _color(text: str) -> Tuple[float, ...]:
+    if not re.fullmatch("#[0-9a-fA-F]{6}", text):
+        raise ValueError(f"background is a color such as #ffffff, not {text!r}")
+    return tuple(part / 255.0 for part in bytes.fromhex(text[1:]))

@@ -197,7 +197,7 @@ class GltfReader {
     }
     for (const JsonValue& name : list("extensionsUsed")) {
       const std::string used = TRY(name_of_extension(name));
-      if (!is_harmless_extension(used)) unread.push_back(printable(used));
+      if (!is_harmless_extension(used)) unread.push_back(printable_name(used));
     }
     const Parts scenes = list("scenes");
     std::size_t shown = 0;
@@ -491,7 +491,7 @@ class GltfReader {
     for (JsonItems item(attributes); item.next() && dropped_.size() < kMost;) {
       const std::string name = item.key().string().value_or("");
       if (name.starts_with("_") || (name.starts_with("COLOR_") && name != "COLOR_0"))
-        dropped_.insert(printable(name));
+        dropped_.insert(printable_name(name));
     }
   }
 

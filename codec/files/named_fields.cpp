@@ -58,7 +58,7 @@ class Unassigned {
       if (chosen[i]) {
         scalars.push_back({name, fields_[i].field});
       } else {
-        unread.push_back(name.empty() ? "(unnamed)" : printable(name));
+        unread.push_back(printable_name(name));
       }
     }
     return scalars;

@@ -127,7 +127,7 @@ struct NumpyTable {
   bool may_be_positions() const {
     return !structured() && columns >= 3 && header.columns.front().readable;
   }
-  std::string text() const { return concat(printable(name), " ", header.shape_text()); }
+  std::string text() const { return concat(printable_name(name), " ", header.shape_text()); }
 };
 
 /// Nothing if it has objects, no rows, or rows of rows.
@@ -201,13 +201,13 @@ Result<NumpyContents> look_into(ByteView bytes) {
   for (std::size_t i = 0; i < contents.arrays.size(); ++i) {
     std::string name = contents.arrays.name(i);
     if (contents.arrays.is_archive() && !name.ends_with(".npy")) {
-      contents.other_names.push_back(printable(name));
+      contents.other_names.push_back(printable_name(name));
       continue;
     }
     if (contents.arrays.is_archive()) name.erase(name.size() - 4);
     const auto at_array = [&](const Error& error) {
       return fail(error.code, contents.arrays.is_archive()
-                                  ? concat(printable(name), ": ", error.message)
+                                  ? concat(printable_name(name), ": ", error.message)
                                   : error.message);
     };
     const Result<Bytes> begin = contents.arrays.begin(i, kNumpyHeader);
@@ -215,11 +215,11 @@ Result<NumpyContents> look_into(ByteView bytes) {
     Result<NumpyHeader> header = read_numpy_header(*begin);
     if (!header) return at_array(header.error());
     const std::string shape = header->shape_text() + (header->is_pickled() ? " of objects" : "");
-    all += concat(all.empty() ? "" : ", ", printable(name), " ", shape);
+    all += concat(all.empty() ? "" : ", ", printable_name(name), " ", shape);
     if (auto table = numpy_table(i, name, std::move(*header))) {
       contents.tables.push_back(std::move(*table));
     } else {
-      contents.other_names.push_back(concat(printable(name), " ", shape));
+      contents.other_names.push_back(concat(printable_name(name), " ", shape));
     }
   }
   bool several = false;
@@ -409,8 +409,9 @@ Result<PointCloud> read_numpy(const ByteSource& source, const DecodeLimits& limi
       const std::size_t count = table.structured() ? column.count : table.columns;
       std::vector<std::string> names = row_names(
           name, count, has_positions || (&table == &positions && is_called(name, kPositionArrays)));
+      if (!column.readable && name.empty()) continue;  // padding of an aligned structure
       if (!column.readable || names.empty()) {
-        notes.unread.push_back(printable(name));
+        notes.unread.push_back(printable_name(name));
         continue;
       }
       if (items.empty()) items = TRY(items_of_table(contents.arrays, table, memory));

@@ -146,6 +146,10 @@ std::string printable(std::string_view word) {
   return word.size() > kLimit ? text + "..." : text;
 }
 
+std::string printable_name(std::string_view name) {
+  return name.empty() ? "(unnamed)" : printable(name);
+}
+
 std::size_t size_of(PlyType type) {
   constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
   return kSizes[static_cast<std::size_t>(type)];

@@ -22,6 +22,8 @@ std::size_t size_of(PlyType type);
 /// A word from an untrusted file in a form that fits into a one-line message: shortened, and
 /// without control characters.
 std::string printable(std::string_view word);
+/// The same of a name, which may be empty.
+std::string printable_name(std::string_view name);
 
 struct PlyProperty {
   std::string name;

@@ -108,7 +108,7 @@ Result<Message> parse(ByteView bytes) {
     if (count <= 1) {
       message.fields.push_back({std::string(name), {offset, 0, *type}});
     } else {
-      message.others.push_back(name.empty() ? "(unnamed)" : printable(name));
+      message.others.push_back(printable_name(name));
     }
   }
   message.swapped = cdr.get<std::uint8_t>() != 0;

@@ -101,16 +101,17 @@ void SequenceArguments::add_to(cli::Command command, const char* default_name,
         return good ? std::string() : text + " is not off, auto or a radius above 0";
       }})
       .type_name("HOW");
-  command
-      .add_option(
-          "--clean-frames", sequence.clean_frames,
-          fmt::format("so many frames {} each one help to clean it: less noise and flicker, "
-                      "sharper features, and about three times the work; 0: each frame by "
-                      "itself",
-                      about_clean_frames))
-      .check(cli::range(0, static_cast<int>(kMostCleanFrames)))
-      .type_name("N")
-      .capture_default_str();
+  clean_frames_ =
+      command
+          .add_option(
+              "--clean-frames", sequence.clean_frames,
+              fmt::format("so many frames {} each one help to clean it: less noise and flicker, "
+                          "sharper features, and about three times the work; 0: each frame by "
+                          "itself",
+                          about_clean_frames))
+          .check(cli::range(0, static_cast<int>(kMostCleanFrames)))
+          .type_name("N")
+          .capture_default_str();
   std::vector<std::pair<std::string, SentNormals>> sent{{"send", SentNormals::source},
                                                         {"derive", SentNormals::none}};
   if (with_video) {
@@ -203,18 +204,19 @@ void SequenceArguments::add_octree_options(cli::Command command) {
                           : "quality of colours; every +14 halves the error, 100 is lossless")
           .check(cli::range(1, kLosslessColorQuality))
           .capture_default_str());
-  only_with(Codec::octree,
-            command
-                .add_option_function<int>(
-                    "--normal-quality",
-                    [this](int quality) {
-                      octree.normal_quality = quality;
-                      octree.normals_follow_noise = false;
-                    },
-                    fmt::format("quality of normals on the same scale; 100 is within half a degree "
-                                "(default: {}, or less for normals that are noisier than that)",
-                                octree.normal_quality))
-                .check(cli::range(1, kBestNormalQuality)));
+  normal_quality_ = only_with(
+      Codec::octree,
+      command
+          .add_option_function<int>(
+              "--normal-quality",
+              [this](int quality) {
+                octree.normal_quality = quality;
+                octree.normals_follow_noise = false;
+              },
+              fmt::format("quality of normals on the same scale; 100 is within half a degree "
+                          "(default: {}, or less for normals that are noisier than that)",
+                          octree.normal_quality))
+          .check(cli::range(1, kBestNormalQuality)));
 }
 
 void SequenceArguments::add_scalar_options(cli::Command command) {
@@ -228,21 +230,20 @@ void SequenceArguments::add_scalar_options(cli::Command command) {
     if (!cli::positive_number().fault(number).empty()) return std::nullopt;
     return ScalarStep{text.substr(0, at), *cli::number_of(number)};
   };
-  only_with(Codec::octree,
-            command
-                .add_option_function<std::vector<std::string>>(
-                    "--scalar-step",
-                    [this, parsed](const std::vector<std::string>& all) {
-                      for (const std::string& text : all)
-                        octree.scalar_steps.push_back(*parsed(text));
-                    },
-                    "keep this scalar field to within half of this step (default: whole numbers "
-                    "that span up to 255 exactly, others in steps of 1/255 of their range)")
-                .check({[parsed](const std::string& text) {
-                  return parsed(text) ? std::string()
-                                      : text + " is not NAME=STEP with a step above 0";
-                }})
-                .type_name("NAME=STEP"));
+  scalar_step_ = only_with(
+      Codec::octree,
+      command
+          .add_option_function<std::vector<std::string>>(
+              "--scalar-step",
+              [this, parsed](const std::vector<std::string>& all) {
+                for (const std::string& text : all) octree.scalar_steps.push_back(*parsed(text));
+              },
+              "keep this scalar field to within half of this step (default: whole numbers "
+              "that span up to 255 exactly, others in steps of 1/255 of their range)")
+          .check({[parsed](const std::string& text) {
+            return parsed(text) ? std::string() : text + " is not NAME=STEP with a step above 0";
+          }})
+          .type_name("NAME=STEP"));
 }
 
 void SequenceArguments::add_draco_options(cli::Command command) {
@@ -296,6 +297,13 @@ Result<EncodingOptions> SequenceArguments::options() const {
     return fail(ErrorCode::argument,
                 fmt::format("{} needs --entropy {}", option.name(), name(Entropy::context)));
   }
+  const auto in_vain = [](const cli::Option option, const char* with) {
+    return fail(ErrorCode::argument, fmt::format("{} does nothing with {}", option.name(), with));
+  };
+  if (clean_frames_.count() > 0 && !sequence.clean) return in_vain(clean_frames_, "--clean off");
+  if (normal_quality_.count() > 0 && normals == SentNormals::none)
+    return in_vain(normal_quality_, "--normals derive");
+  if (scalar_step_.count() > 0 && !octree.scalars) return in_vain(scalar_step_, "--no-scalars");
   if (normals == SentNormals::estimate && codec != Codec::octree)
     return fail(ErrorCode::argument, "--normals estimate needs --codec octree");
   EncodingOptions options = sequence;

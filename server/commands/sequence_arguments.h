@@ -53,7 +53,7 @@ struct SequenceArguments {
 
  private:
   std::uint64_t frame_memory_ = kFrameMemory >> 20;  ///< MiB
-  cli::Option up_, fps_, codec_;
+  cli::Option up_, fps_, codec_, clean_frames_, normal_quality_, scalar_step_;
   void add_octree_options(cli::Command command);
   void add_scalar_options(cli::Command command);
   void add_draco_options(cli::Command command);

@@ -193,16 +193,30 @@ class Publisher {
     const Clock::time_point start = Clock::now();
     PointCloud& cloud = frame.input.cloud->cloud;
     place(cloud, options_.placement);
-    const CleanOptions* cleaning = cleaning_of(options_);
-    if (options_.clean_frames > 0 && cleaning != nullptr) {
+    const EncodingOptions options = options_for_frame();
+    const CleanOptions* cleaning = cleaning_of(options);
+    if (options.clean_frames > 0 && cleaning != nullptr) {
       frame.alone = std::make_shared<const CleanedFrame>(
-          clean_alone(std::move(cloud), *cleaning, options_.encode.executor));
+          clean_alone(std::move(cloud), *cleaning, options.encode.executor));
     } else {
-      frame.cleaning = clean_frame(cloud, options_);
+      frame.cleaning = clean_frame(cloud, options);
       frame.box = bounds(cloud);
     }
     frame.clean_ms = ms_since(start);
     return {};
+  }
+
+  /// Whether the noise is worth cleaning is decided by one frame for all that follow: where it is
+  /// about at the limit, some that are cleaned would flicker among others that are not.
+  EncodingOptions options_for_frame() {
+    EncodingOptions options = options_;
+    const std::lock_guard lock(noisy_mutex_);
+    if (options.clean && !options.clean->radius) options.clean->noisy = noisy_;
+    return options;
+  }
+  void decide_cleaning(const CleanReport& report) {
+    const std::lock_guard lock(noisy_mutex_);
+    if (!noisy_ && (report.cleaned || report.why == NotCleaned::smooth)) noisy_ = report.cleaned;
   }
 
   /// In the order of the frames.
@@ -217,7 +231,7 @@ class Publisher {
     const Clock::time_point start = Clock::now();
     std::vector<const CleanedFrame*> before;
     for (const auto& one : frame.before) before.push_back(one.get());
-    CleanedInTime in_time = clean_frame(*frame.alone, before, options_);
+    CleanedInTime in_time = clean_frame(*frame.alone, before, options_for_frame());
     frame.cleaning = in_time.report;
     frame.box = bounds(in_time.cloud);
     frame.input.cloud->cloud = std::move(in_time.cloud);
@@ -233,6 +247,7 @@ class Publisher {
     if (loaded.cloud.has_scalars() && options_.encode.id() == Codec::draco &&
         !std::exchange(scalars_told_, true))
       say(kNoScalarsInDraco);
+    if (options_.clean) decide_cleaning(frame.cleaning);
     if (options_.clean && !frame.cleaning.cleaned && !loaded.cloud.positions.empty() &&
         !std::exchange(uncleaned_told_, true))
       say(fmt::format("{}: not cleaned: {}", frame.input.name,
@@ -324,6 +339,8 @@ class Publisher {
 
   const int lanes_;
   tbb::task_arena arena_;
+  std::mutex noisy_mutex_;  ///< of the next one
+  std::optional<bool> noisy_;
   OrderedTurns history_turns_;
   std::deque<std::shared_ptr<const CleanedFrame>> history_;  ///< in the turns above
   OrderedTurns grid_turns_;

@@ -22,6 +22,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 /// A file of one array, as numpy.save writes it.
 template <class T>
@@ -173,6 +174,25 @@ TEST(Numpy, fields_of_structured_arrays_are_read_by_their_names) {
   ASSERT_TRUE(vectors) << vectors.error().message;
   EXPECT_THAT(vectors->cloud.positions, ElementsAre(glm::vec3(1, 2, 3), glm::vec3(4, 5, 6)));
   EXPECT_THAT(vectors->cloud.scalars.at(0).values, ElementsAre(10, 20));
+}
+
+TEST(Numpy, padding_of_aligned_structures_is_not_said_to_be_unread) {
+  struct Item {
+    std::uint8_t label;
+    float x, y, z;
+  };
+  const auto aligned =
+      read(npy("[('label', '|u1'), ('', '|V3'), ('x', '<f4'), ('y', '<f4'), ('z', '<f4')]", "(2,)",
+               std::vector<Item>{{1, 1, 2, 3}, {2, 4, 5, 6}}));
+  ASSERT_TRUE(aligned) << aligned.error().message;
+  EXPECT_THAT(aligned->cloud.positions, ElementsAre(glm::vec3(1, 2, 3), glm::vec3(4, 5, 6)));
+  EXPECT_THAT(aligned->notes.unread, IsEmpty());
+}
+
+TEST(Numpy, names_may_be_empty) {
+  const auto cloud = read(npz({{"", npy("<f4", "(6,)", kTwo)}, {"points", npy("<f4", "(2, 3)", kTwo)}}));
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_THAT(cloud->notes.unread, ElementsAre("(unnamed) (6,)"));
 }
 
 TEST(Numpy, what_is_no_cloud_is_told) {

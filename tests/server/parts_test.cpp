@@ -3,9 +3,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
 #include <string>
 #include <thread>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -422,6 +424,20 @@ TEST(PackCommandLine, leaves_the_codec_to_a_trial_unless_an_option_asks_for_one)
   const Result<PackOptions> short_segments = parse_pack_command_line({"--segment=7"});
   ASSERT_TRUE(short_segments && short_segments->video_if_it_pays);
   EXPECT_EQ(short_segments->video_if_it_pays->segment_frames, 7u);
+}
+
+TEST(PackCommandLine, refuses_options_that_others_make_useless) {
+  for (const auto& [arguments, message] :
+       std::initializer_list<std::pair<std::vector<std::string>, const char*>>{
+           {{"--clean=off", "--clean-frames=3"}, "--clean-frames does nothing with --clean off"},
+           {{"--no-normals", "--normal-quality=90"},
+            "--normal-quality does nothing with --normals derive"},
+           {{"--no-scalars", "--scalar-step=heat=1"},
+            "--scalar-step does nothing with --no-scalars"}}) {
+    const Result<PackOptions> options = parse_pack_command_line(arguments);
+    ASSERT_FALSE(options);
+    EXPECT_EQ(options.error().message, message);
+  }
 }
 
 TEST(PartOf, shares_segments_out_evenly) {

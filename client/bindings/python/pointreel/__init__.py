@@ -362,6 +362,7 @@ def _encoding(codec: str, depth: Optional[int], voxel: Optional[float], delta: O
         return kind(value)
 
     _check_texts(codec=codec)
+    _check_numbers(voxel=voxel, delta=delta)
     steps = dict(scalar_steps or {})
     _check_texts(**{f"the name of scalar_steps {i}": name for i, name in enumerate(steps)})
     _check_numbers(**{f"scalar_steps[{name!r}]": step for name, step in steps.items()})

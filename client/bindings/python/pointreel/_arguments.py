@@ -15,6 +15,10 @@ from numpy.typing import NDArray
 from ._native import Error
 
 
+_MOST_NUMBER = 2**1023  # Larger ones do not become floats.
+_MOST_COUNT, _MOST_BYTES = 2**31 - 1, 2**63 - 1
+
+
 def _error(message: str, code: str) -> Error:
     error = Error(message)
     error.code = code
@@ -31,12 +35,18 @@ def _check(kind: Any, what: str, /, **arguments: Any) -> None:
 
 def _check_texts(**arguments: Any) -> None:
     _check(str, "a text", **arguments)
+    for argument, value in arguments.items():
+        if any("\ud800" <= letter <= "\udfff" for letter in value):
+            raise ValueError(f"{argument} has half of a surrogate pair")
 
 
 def _check_numbers(**arguments: Any) -> None:
     """None stands for the default."""
-    _check((int, float, np.integer, np.floating), "a number",
-           **{name: value for name, value in arguments.items() if value is not None})
+    given = {name: value for name, value in arguments.items() if value is not None}
+    _check((int, float, np.integer, np.floating), "a number", **given)
+    for name, value in given.items():
+        if isinstance(value, int) and abs(value) > _MOST_NUMBER:
+            raise ValueError(f"{name} is too large")
 
 
 def _check_counts(**arguments: Any) -> None:
@@ -46,6 +56,8 @@ def _check_counts(**arguments: Any) -> None:
     for name, value in given.items():
         if value < 1:
             raise ValueError(f"{name} is at least 1")
+        if value > (_MOST_BYTES if name == "max_memory" else _MOST_COUNT):
+            raise ValueError(f"{name} is too large")
 
 
 def _path(where: Union[str, os.PathLike[str]]) -> str:

@@ -112,8 +112,9 @@ export class ReelPlayback {
     const reading = this.clock.read(), state = this.clock.state();
     if (look.number !== this.levelLook) {
       this.levelLook = look.number;
-      this.level = look.scalar ? WHOLE_FRAME : this.reel.levelFor(look.camera, look.width, look.height);
+      this.level = look.scalar ? WHOLE_FRAME : this.reel.levelFor(look.camera, look.width, look.height, look.pixelSize);
     }
+    if (look.pixelSize > 1) this.dropFiner();
     this.decide(look, state.speed, state.playing);
     const upcoming = this.upcoming(reading.frame, state.speed < 0 ? -1 : 1, state.loop, state.range);
     this.fetch(reading.frame, upcoming, state.playing, state.speed);
@@ -314,6 +315,15 @@ export class ReelPlayback {
       this.drop(made);
       this.made.delete(made.frame);
     });
+  }
+  /** While pictures come too slowly. Of an octree, only what is as coarse as asked is packed, but of video all points are. */
+  private dropFiner(): void {
+    if (this.reel.groupFrames === 0) return;
+    for (const made of this.made.values()) {
+      if (made.level <= this.level || made === this.shown) continue;
+      this.drop(made);
+      this.made.delete(made.frame);
+    }
   }
   private clear(): void {
     for (const made of this.made.values()) this.drop(made);

@@ -8,6 +8,7 @@ import { drawLegend, Legend, readLegend } from "./legend";
 import type { LivePlayback } from "./live";
 import { Box, ColorSource, Light, Mode, Vec3 } from "./module";
 import type { MadeFrame, ReelPlayback } from "./playback";
+import { Coarsening, FINEST, Pace } from "./pace";
 import { contextOf, DrawOptions, Renderer, ScenePart } from "./renderer/renderer";
 import type { ScalarRange } from "./reel";
 import type { Soundtrack } from "./sound";
@@ -42,7 +43,6 @@ export const DEFAULTS: Readonly<Settings> = {
 
 /** A camera that was moved counts as moving for so long, in milliseconds. */
 const MOVES = 150;
-const SLOW_MS = 45;
 const LARGEST_POINT = 64;  // pixels, with adaptive points
 const LEGEND_MARGIN = 12, LEGEND_REFERENCE = 540;  // pixels; the height of a saved picture that does not enlarge its legend
 
@@ -100,9 +100,8 @@ export class Player {
   private dirty = true;
   private wasWaiting = false;
   private wasSeeking = false;
-  private reduction = 1;
-  private lastTick = 0;
-  private slow = 0;
+  private readonly pace = new Pace();
+  private coarsening: Coarsening = FINEST;
   private wantsLoop = false;
   private loudness = 1;
   private isMuted = false;
@@ -361,7 +360,7 @@ export class Player {
 
   /** The picture as it is shown, in full quality, with its legend. */
   async still(): Promise<Blob> {
-    this.reduction = 1;
+    this.coarsening = FINEST;
     this.paint();
     const { legend, canvas } = this;
     let picture = canvas;
@@ -405,19 +404,26 @@ export class Player {
   }
 
   private look(): Look {
-    const isWanted = (this.reel && this.playing) || this.reel?.scrubbing || this.reel?.isSeeking;  // the next picture, soon
-    const resting = !this.display && performance.now() - this.moved > MOVES && !isWanted;
+    const seen = this.display?.view() ?? null, now = performance.now();
+    if (seen !== this.seen) {
+      this.lookNumber += 1;
+      this.moved = now;
+    }
+    this.seen = seen;
+    const moves = now - this.moved <= MOVES || (this.reel !== null && this.playing);
+    const resting = !this.display && !moves && !this.reel?.scrubbing && !this.reel?.isSeeking;
     if (resting !== this.rested) {
       this.rested = resting;
       this.lookNumber += 1;
     }
-    const seen = this.display?.view() ?? null;
-    if (seen !== this.seen) this.lookNumber += 1;
-    this.seen = seen;
+    const coarsening = this.pace.coarsening(moves), { pixelSize } = coarsening;
+    if (pixelSize !== this.coarsening.pixelSize) this.lookNumber += 1;
+    if (coarsening.reduction < this.coarsening.reduction) this.dirty = true;
+    this.coarsening = coarsening;
     const { mode, color, fillHoles } = this.settings, { light } = this;
     return { camera: seen?.camera ?? this.camera!, width: seen?.size ?? this.canvas.width,
              height: seen?.size ?? this.canvas.height, mode, color, light, scalar: this.scalar, fillHoles,
-             refine: resting && mode === "surfel", number: this.lookNumber };
+             refine: resting && mode === "surfel", pixelSize, number: this.lookNumber };
   }
   private rested = false;
 
@@ -448,7 +454,8 @@ export class Player {
     const parts = this.content?.shown() ?? [];
     if (parts.some((part, i) => part !== this.painted[i]) || parts.length !== this.painted.length) this.dirty = true;
     const resting = this.rested;
-    this.adapt(now, resting);
+    if (resting || this.reel?.isWaiting) this.pace.pause();
+    else this.pace.tick(now);
     if (this.dirty) this.paint();
     this.tell();
     const playing = this.playing && document.visibilityState === "visible";
@@ -456,27 +463,14 @@ export class Player {
   }
   private painted: MadeFrame[] = [];
 
-  /** Pictures that come too slowly have fewer pixels until there is time again. */
-  private adapt(now: number, resting: boolean): void {
-    const between = now - this.lastTick;
-    this.lastTick = now;
-    if (resting) {
-      if (this.reduction > 1) this.dirty = true;
-      this.reduction = 1;
-      this.slow = 0;
-    } else if (between < 1000) {
-      this.slow = Math.max(0, this.slow + (between > SLOW_MS ? 1 : -0.5));
-      if (this.slow > 4 && this.reduction < 2) this.reduction = 2;
-    }
-  }
-
   private paint(): void {
     const { renderer, camera, canvas } = this;
     if (!renderer || !camera) return;
     const start = performance.now(), parts = this.content?.shown() ?? [], bounds = this.bounds();
     // After a change of the mode, frames are drawn in the old one until there are others.
     const mode = parts[0]?.mode ?? this.settings.mode;
-    const side = renderer.largestSide, r = Math.max(this.reduction, Math.ceil(Math.max(canvas.width, canvas.height) / side));
+    const { reduction } = this.coarsening;
+    const side = renderer.largestSide, r = Math.max(reduction, Math.ceil(Math.max(canvas.width, canvas.height) / side));
     const options: DrawOptions = {
       ...this.settings, light: this.light, environment: this.environment?.handle ?? 0, mode, pointSize: this.settings.pointSize * (window.devicePixelRatio || 1) / r,
       largestPoint: this.settings.adaptivePoints ? LARGEST_POINT / r : 0,
@@ -485,7 +479,7 @@ export class Player {
     const size = { width: Math.ceil(canvas.width / r), height: Math.ceil(canvas.height / r) };
     const drawable = parts.filter((part) => part.mode === mode);
     if (this.display) {
-      this.drawn = this.display.draw(renderer, drawable, options, this.reduction);
+      this.drawn = this.display.draw(renderer, drawable, options, reduction);
     } else {
       this.drawn = renderer.draw(drawable, camera, size, options);
       renderer.present();

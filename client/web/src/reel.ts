@@ -125,9 +125,9 @@ export class Reel {
       layer: r[5 * i]!, offset: r[5 * i + 1]!, sizes: [r[5 * i + 2]!, r[5 * i + 3]!, r[5 * i + 4]!],
     }));
   }
-  levelFor(camera: Camera, width: number, height: number): number {
+  levelFor(camera: Camera, width: number, height: number, pixelSize: number): number {
     const [at] = this.module.put(camera.state);
-    return this.module.call("pr_level_for", this.handle, at!, width, height, 1);
+    return this.module.call("pr_level_for", this.handle, at!, width, height, pixelSize);
   }
 }
 

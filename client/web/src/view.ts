@@ -17,6 +17,8 @@ export interface Look {
   fillHoles: boolean;
   /** Divide surfels that look large: only where a picture is not urgent. */
   refine: boolean;
+  /** The least size of what is drawn, in pixels. */
+  pixelSize: number;
   /** Changes with each of the others. */
   number: number;
 }
@@ -28,7 +30,7 @@ const WIDEN = 1.25;
 export function viewOf(look: Look, place: Vec3 = [0, 0, 0]): Float64Array {
   const view = new Float64Array(20);
   view.set(look.camera.state);
-  view.set([look.width, look.height, 1, WIDEN, MODES.indexOf(look.mode), COLORS.indexOf(look.color),
+  view.set([look.width, look.height, look.pixelSize, WIDEN, MODES.indexOf(look.mode), COLORS.indexOf(look.color),
             Number(look.fillHoles), Number(look.refine), ...place], 9);
   return view;
 }

@@ -42,6 +42,31 @@ test("a reel of video plays, and a seek shows exactly that frame", async () => {
   await close();
 });
 
+test("where pictures come too slowly frames are made coarser until it rests, or until there is time again", async () => {
+  const { tab, close } = await openTab(browser, `http://127.0.0.1:${port}/video#t=0`);
+  await settled(tab);
+  const asked = await ask(tab, "player.player.reel.shown.level");
+  await ask(tab, "player.player.setLoop(true)");
+  await ask(tab, "player.play()");
+  /** As if the browser were ready for a picture so often. */
+  const tick = (between, seconds) => tab.evaluate(([between, seconds]) => {
+    const { pace } = document.querySelector("pointreel-player").player;
+    delete pace.tick;
+    pace.stepped = pace.last = 0;
+    for (let now = 1e9; now < 1e9 + 1000 * seconds; now += between) pace.tick(now);
+    pace.tick = () => undefined;
+  }, [between, seconds]);
+  await tick(100, 4);
+  assert.equal(await ask(tab, "player.player.pace.coarsening(true).reduction"), 2);
+  await until(tab, `document.querySelector("pointreel-player").player.reel.shown.level < ${asked}`, "frames are coarser");
+  await ask(tab, "player.pause()");
+  await settled(tab);
+  assert.ok(await ask(tab, `player.player.reel.level === ${asked}`));
+  await tick(16, 60);
+  assert.equal(await ask(tab, "player.player.pace.coarsening(true).pixelSize"), 1);
+  await close();
+});
+
 test("it plays backward", async () => {
   const { tab, close } = await openTab(browser, `http://127.0.0.1:${port}/video#t=1`);
   await settled(tab);

@@ -40,6 +40,16 @@ function enclosing(boxes: readonly (Box | null)[]): Box | null {
   return all;
 }
 
+function addressOf(source: string): URL {
+  try {
+    const url = new URL(source, document.baseURI);
+    if (/^(https?|wss?):$/.test(url.protocol)) return url;
+  } catch {
+    // The message below says more than the browser's.
+  }
+  throw new Error(`${source}: is not an address of http, https, ws or wss`);
+}
+
 export class Content {
   reel: ReelPlayback | null = null;
   live: LivePlayback[] = [];
@@ -61,7 +71,8 @@ export class Content {
    */
   static async open(base: URL, sources: readonly string[], token: string | null, options: ContentOptions & PlayerState,
                     changed: () => void, waits: (why: string | null) => void, signal: AbortSignal): Promise<Content> {
-    const urls = sources.map((source) => new URL(source, document.baseURI));
+    const urls = sources.map(addressOf);
+    if (token && /[^!-~]/.test(token)) throw new Error("the token has a blank or another character that no token may have");
     const isLive = urls.every((url) => /^wss?:$/.test(url.protocol));
     const fetcher: Fetcher | null = isLive ? null : new Fetcher(urls[0]!, token, () => waits(fetcher!.trouble));
     const [manifest, { assets, module }] = await Promise.all([fetcher?.manifest(signal), load(base)]);

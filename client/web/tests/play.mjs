@@ -46,6 +46,16 @@ test("keys work where the address is not UTF-8", async () => {
   await close();
 });
 
+test("what is no address, or no token, is said", async () => {
+  for (const [address, line] of [["/?reel=javascript:1", "javascript:1/reel.json: is not an address of http, https, ws or wss"],
+                                 ["/?reel=http://[", "http://[/reel.json: is not an address of http, https, ws or wss"],
+                                 [`/${basename(reel)}#token=a%00b`, "the token has a blank or another character that no token may have"]]) {
+    const { tab, close } = await openTab(browser, `http://127.0.0.1:${port}${address}`);
+    await until(tab, `document.querySelector("pointreel-player").player.error === ${JSON.stringify(line)}`, line);
+    await close();
+  }
+});
+
 test("a stray point does not make the rest small in the first view", async () => {
   const clouds = join(folder, "stray_clouds"), stray = join(folder, "stray");
   mkdirSync(clouds);

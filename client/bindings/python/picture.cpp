@@ -10,6 +10,7 @@
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
 #include "common/threads/tbb_executor.h"
+#include "pointreel/geometry.h"
 
 namespace pointreel {
 namespace {
@@ -44,6 +45,7 @@ Result<SceneFrame> prepare_points(const PointFrame& frame, const PrepareOptions&
     return prepare_frame(frame.fetched, info, options);
   DecodedFrame decoded;
   decoded.cloud = frame.cloud;
+  decoded.cube = bounding_cube(bounds(decoded.cloud));
   return prepare_decoded(std::move(decoded), info, options);
 }
 

@@ -101,13 +101,13 @@ class Arguments(TemporaryFolder):
 
     def test_pictures_take_the_names_that_the_commands_have(self):
         points = np.concatenate([lattice(), [[4.0, 30.0, 4.0]]])
-        pictures = [pointreel.render(points, size=(64, 64), zoom=4, background="#102030", **named)
+        pictures = [pointreel.render(points, size=(64, 64), background="#102030", **named)
                     for named in ({"target": "head"}, {"target": "feet"}, {"view": "top"},
                                   {"view": "back"})]
         self.assertEqual(len({picture.tobytes() for picture in pictures}), 4)
         self.assertEqual(pictures[0][0, 0].tolist(), [0x10, 0x20, 0x30])
         np.testing.assert_array_equal(
-            pictures[2], pointreel.render(points, size=(64, 64), zoom=4, view=(0, 90),
+            pictures[2], pointreel.render(points, size=(64, 64), view=(0, 90),
                                           background=(16 / 255, 32 / 255, 48 / 255)))
 
 

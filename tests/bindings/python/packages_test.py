@@ -259,6 +259,16 @@ class Packages(TemporaryFolder):
         with self.assertRaisesRegex(pointreel.Error, "color_range is two finite numbers"):
             pointreel.render(points, color="height", color_range=(1.0, 0.0))
 
+    def test_pictures_are_drawn_of_arrays_of_any_size_and_place(self):
+        positions, colors, normals = ball()
+        for scale, offset in ((1.0, 3.0), (0.01, 0.0), (1000.0, -2500.0)):
+            points = pointreel.Points(positions * scale + offset, colors, normals)
+            frame = pointreel.decode(pointreel.encode(*points[:3]))
+            for mode in ("surfel", "strip", "voxel"):
+                of_arrays, of_frame = (pointreel.render(item, size=(64, 64), mode=mode).astype(int)
+                                       for item in (points, frame))
+                self.assertLess(np.abs(of_arrays - of_frame).mean(), 6.0, (mode, scale, offset))
+
     def test_noisy_scans_are_cleaned_with_the_help_of_other_frames(self):
         noise = np.random.default_rng(1)
 

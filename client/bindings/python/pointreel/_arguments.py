@@ -132,6 +132,7 @@ def _scalars(values: Optional[Mapping[str, Any]]) -> Dict[str, NDArray[np.float3
             if extent > 0.0 and lost > 0.5 * extent / 255.0:
                 _warn(f"the scalar field {name} is off by up to {lost:.3g}, because it is kept in 32 "
                       "bits: subtract an offset from it before")
+        _check_texts(**{f"the name {name!r} of scalars": str(name)})
         fields[str(name)] = kept
     return fields
 

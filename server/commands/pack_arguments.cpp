@@ -158,12 +158,14 @@ std::vector<std::string> PackArguments::command_line() const {
     const bool of_the_whole = option == paths_ || option == input_ || option == output_ ||
                               option == force_ || option == audio_;
     if (option.count() == 0 || of_the_whole) continue;
-    line.push_back(option.name());
-    if (option.is_flag()) continue;
-    // "--name=value", since a value may begin with a minus sign.
-    const std::vector<std::string>& values = option.values();
-    line.back() += "=" + values.front();
-    line.insert(line.end(), values.begin() + 1, values.end());
+    if (option.is_flag()) {
+      line.push_back(option.name());
+      continue;
+    }
+    // "--name=value", since a value may begin with a minus sign. Empty ones stand for the default,
+    // and could not be read back.
+    for (const std::string& value : option.values())
+      if (!value.empty()) line.push_back(option.name() + "=" + value);
   }
   return line;
 }

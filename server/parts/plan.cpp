@@ -107,11 +107,20 @@ Result<void> check_output(const PackOptions& options) {
       .map([](const OutputFolder&) {});
 }
 
+/// What a file has of a plan: nothing, if it is something else, or damaged.
+ordered_json plan_json(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(in)), {});
+  ordered_json json = ordered_json::parse(text, nullptr, false);
+  if (!json.is_object() || json.value("format", ordered_json()) != kFormat) return nullptr;
+  return json;
+}
+
 /// Makes the empty folder of the plan.
 Result<void> make_folder(const fs::path& folder, bool force) {
   std::error_code error;
   if (fs::exists(folder, error)) {
-    if (!fs::exists(folder / kPlanName, error)) {
+    if (plan_json(folder / kPlanName).is_null()) {
       return fail(ErrorCode::argument,
                   fmt::format("{}: exists, and is not the folder of a plan; remove it first",
                               folder.string()));
@@ -271,15 +280,12 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
 
 Result<PackPlan> read_plan(const fs::path& output) {
   const fs::path path = parts_folder(output) / kPlanName;
-  std::ifstream in(path, std::ios::binary);
-  if (!in) {
+  if (!std::ifstream(path, std::ios::binary)) {
     return fail(ErrorCode::not_found,
                 fmt::format("{}: there is no plan; make one with pack plan", path.string()));
   }
-  const std::string text((std::istreambuf_iterator<char>(in)), {});
   try {
-    const ordered_json json = ordered_json::parse(text);
-    if (json.at("format") != kFormat) throw std::invalid_argument("format");
+    const ordered_json json = plan_json(path);
     // Another version may encode the same frames differently.
     if (const auto by = json.at("program").get<std::string>(); by != POINTREEL_VERSION) {
       return fail(ErrorCode::unsupported,
@@ -291,7 +297,8 @@ Result<PackPlan> read_plan(const fs::path& output) {
     if (plan.frames.empty()) throw std::invalid_argument("empty");
     return plan;
   } catch (const std::exception&) {
-    return fail(fmt::format("{}: is damaged; make the plan again with --force", path.string()));
+    return fail(
+        fmt::format("{}: is damaged; remove its folder, and make the plan again", path.string()));
   }
 }
 

@@ -358,6 +358,12 @@ TEST_F(Parts, need_a_plan_that_fits) {
   make(force);
   EXPECT_THAT(join_error(), HasSubstr("7 of 7"));
 
+  std::ofstream(folder() / "plan.json") << R"({"my": "plan"})";
+  std::ofstream(folder() / "thesis.txt") << "precious";
+  EXPECT_THAT(make_plan(force, {}).error().message, HasSubstr("is not the folder of a plan"));
+  EXPECT_EQ(read_text(folder() / "thesis.txt"), "precious");
+  fs::remove_all(folder());
+
   fs::create_directory(reel_);
   std::ofstream(reel_ / "mine.txt") << "mine";
   EXPECT_FALSE(make_plan(options(), {}));
@@ -424,6 +430,16 @@ TEST(PackCommandLine, leaves_the_codec_to_a_trial_unless_an_option_asks_for_one)
   const Result<PackOptions> short_segments = parse_pack_command_line({"--segment=7"});
   ASSERT_TRUE(short_segments && short_segments->video_if_it_pays);
   EXPECT_EQ(short_segments->video_if_it_pays->segment_frames, 7u);
+}
+
+TEST(PackCommandLine, keeps_values_that_begin_with_a_minus_sign_and_no_empty_ones) {
+  cli::Program app;
+  PackArguments arguments;
+  arguments.add_to(app);
+  ASSERT_TRUE(app.parse({"--name", "", "--scalar-step", "a=1", "--scalar-step=-b=2"}));
+  EXPECT_THAT(arguments.command_line(),
+              testing::UnorderedElementsAre("--scalar-step=a=1", "--scalar-step=-b=2"));
+  EXPECT_TRUE(parse_pack_command_line(arguments.command_line()));
 }
 
 TEST(PackCommandLine, refuses_options_that_others_make_useless) {

@@ -22,6 +22,9 @@ StopSignal::StopSignal() {
     sigwait(&any, &signal);
     if (signal == SIGRTMIN) return;
     source_.request_stop();
+    const timespec at_once{0, 200'000'000};
+    while ((signal = sigtimedwait(&any, nullptr, &at_once)) > 0)
+      if (signal == SIGRTMIN) return;
     // From now on this thread receives the signals, whose default action ends the process.
     pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
     sigwait(&ended, &signal);

@@ -37,10 +37,23 @@ void wait_for(const std::stop_token& stop) {
   const StopSignal stop;
   kill(getpid(), SIGINT);
   wait_for(stop.token());
+  ::usleep(500'000);
   kill(getpid(), SIGINT);
   ::alarm(60);
   ::pause();  // until one of the signals ends the process
   std::_Exit(8);
+}
+
+/// As `timeout` does: to the process and to its group.
+[[noreturn]] void signal_twice_at_once() {
+  {
+    const StopSignal stop;
+    kill(getpid(), SIGTERM);
+    wait_for(stop.token());
+    kill(getpid(), SIGTERM);
+    ::usleep(500'000);
+  }
+  std::_Exit(7);
 }
 
 class StopSignals : public PackTest {
@@ -58,6 +71,10 @@ TEST_F(StopSignals, end_a_pack_without_leaving_files_behind) {
 
 TEST_F(StopSignals, kill_the_process_the_second_time) {
   EXPECT_EXIT(signal_twice(), testing::KilledBySignal(SIGINT), "");
+}
+
+TEST_F(StopSignals, count_as_one_if_they_come_at_once) {
+  EXPECT_EXIT(signal_twice_at_once(), testing::ExitedWithCode(7), "");
 }
 
 TEST_F(StopSignals, kill_a_shell_background_process_the_second_time) {

@@ -14,6 +14,9 @@ using namespace std::chrono_literals;
 
 /// Between two attempts to connect. A server that is available again is found within this time.
 constexpr auto kPause = 300ms;
+/// The same after a connection over which nothing was accepted, such as one for a name that is
+/// taken.
+constexpr auto kPauseAfterRefusal = 2000ms;
 /// Links over satellites have round trips of a second, of which TLS takes four.
 constexpr auto kConnectTimeout = 10'000ms;
 /// If a server's machine disappears, its connection is given up after this time. Until then it
@@ -124,10 +127,13 @@ void Outbox::run(const std::stop_token& stop) {
   socket_options.confirm = true;
   socket_options.stop = stop;
   while (!stop.stop_requested()) {
+    auto pause = kPause;
     const auto socket = WebSocket::connect(options_.url, socket_options);
     if (socket) {
       restart();
+      const std::uint64_t accepted = statistics().accepted_layers;
       serve(**socket, stop);
+      if (statistics().accepted_layers == accepted) pause = kPauseAfterRefusal;
     } else if (!stop.stop_requested()) {
       if (is_final(socket.error().code)) {
         const std::lock_guard lock(mutex_);
@@ -138,7 +144,7 @@ void Outbox::run(const std::stop_token& stop) {
       tell(socket.error().message);
     }
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, stop, kPause, [] { return false; });
+    changed_.wait_for(lock, stop, pause, [] { return false; });
   }
 }
 
@@ -221,7 +227,10 @@ void Outbox::count_accepted(std::uint64_t confirmed) {
   if (!options_.say) return;
   if (first)
     options_.say(concat("the server has accepted the first frame; \"pointreel play ",
-                        options_.url.substr(0, options_.url.find('?')), "\" shows the stream"));
+                        options_.url.substr(0, options_.url.find('?')),
+                        options_.token.empty() ? "" : " --token TOKEN",
+                        options_.ca_file.empty() ? "" : concat(" --ca-file ", options_.ca_file),
+                        "\" shows the stream"));
   else if (recovered)
     options_.say("connected again");
 }

@@ -101,7 +101,7 @@ class Connection : public WebSocket {
           deadline, [&](const auto& done) { transport().handshake(url.host, Completion(done)); });
       if (const std::string said = transport().distrust(); error && !said.empty()) {
         const auto [what, advice] = untrusted(said, options_.option_prefix + "ca-file");
-        return failed(what + "; " + advice);
+        return fail(ErrorCode::refused, fmt::format("{}: {}; {}", place_, what, advice));
       }
       if (error.category() == asio::error::get_ssl_category())
         return failed("the TLS handshake failed (" + error.message() +

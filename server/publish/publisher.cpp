@@ -294,6 +294,11 @@ class Publisher {
       const double counted = ms - std::max(0.0, clean_ms - kCleaningShare * frame_time_ms_);
       time_.told(depth, counted);
       tell_depth(depth, counted);
+      if (clean_ms > frame_time_ms_ && !std::exchange(slow_cleaning_told_, true))
+        say(fmt::format(
+            "cleaning took {:.0f} ms, {:.0f} ms are available; frames are skipped while "
+            "it takes so long: lower --fps or --clean-frames, or --clean off",
+            clean_ms, frame_time_ms_));
       if (ms > frame_time_ms_) ++summary_.late;
     }
     summary_.depth_min = summary_.frames == 0 ? depth : std::min(summary_.depth_min, depth);
@@ -304,14 +309,18 @@ class Publisher {
 
   void tell_depth(int depth, double ms) {
     const int allowed = time_.depth();
-    if (allowed < allowed_told_ && allowed < depth) {
-      ++summary_.lowered;
+    const bool lower = allowed < allowed_ && allowed<depth, higher = allowed> allowed_;
+    allowed_ = allowed;
+    if (lower) ++summary_.lowered;
+    // A machine that is about fast enough goes up and down all the time.
+    const Clock::time_point now = Clock::now();
+    if ((!lower && !higher) || (depth_told_ && now - *depth_told_ < kDepthsTold)) return;
+    depth_told_ = now;
+    if (lower)
       say(fmt::format("encoding took {:.0f} ms, {:.0f} ms are available; depth {} from now on", ms,
                       frame_time_ms_, allowed));
-    } else if (allowed > allowed_told_) {
+    else
       say(fmt::format("encoding is fast enough again; depth up to {}", allowed));
-    }
-    allowed_told_ = allowed;
   }
 
   void say(const std::string& line) {
@@ -321,6 +330,8 @@ class Publisher {
 
   /// The most of the frame time that cleaning takes from encoding.
   static constexpr double kCleaningShare = 0.5;
+  /// Changes of the depth are reported at most so often.
+  static constexpr auto kDepthsTold = std::chrono::seconds(10);
   /// Enough for the median; later frames take about as long.
   static constexpr std::size_t kMaxTimes = 100'000;
 
@@ -356,7 +367,9 @@ class Publisher {
 
   OrderedTurns send_turns_;
   // Used in turns only, as is all that follows.
-  int allowed_told_ = kMaxDepth;  ///< the depth that was last reported
+  int allowed_ = kMaxDepth;  ///< the depth that was last allowed
+  std::optional<Clock::time_point> depth_told_;
+  bool slow_cleaning_told_ = false;
   std::vector<double> encode_ms_;
   PublishSummary summary_;
   const KeptIdentity identity_;

@@ -28,10 +28,13 @@ async function unlessStalled<T>(coming: Promise<T>, ms = STALL_MS): Promise<T> {
   return Promise.race([coming, stalled]).finally(() => clearTimeout(timer));
 }
 
+/** What begins the line that says that a token is missing or wrong. */
+export const WANTS_TOKEN = "the server wants a valid token";
+
 /** What a person should know of an answer that is not the content. */
 export function refusal(response: Response): string {
   if (response.status === 401)
-    return "the server wants a valid token: #token=TOKEN at the end of the address, or the attribute token of the player";
+    return `${WANTS_TOKEN}: #token=TOKEN at the end of the address, or the attribute token of the player`;
   return `the server answers ${response.status} ${response.statusText}`.trim();
 }
 

@@ -122,6 +122,15 @@ export class LivePlayback {
     this.connect();
   }
 
+  /** For people. */
+  private get name(): string {
+    const name = new URL(this.url).pathname.split("/").pop()!;
+    try {
+      return decodeURIComponent(name);
+    } catch {
+      return name;  // of a server whose names are not UTF-8
+    }
+  }
   private get address(): string {
     if (!this.sound.isWanted) return this.url;
     return this.url + (this.url.includes("?") ? "&sound" : "?sound");
@@ -156,7 +165,7 @@ export class LivePlayback {
       const bytes = encode(data), [at] = this.module.put(bytes);
       const kind = this.module.call("pr_live_text", this.handle, at!, bytes.length);
       if (kind === BAD) this.error = this.module.lastError().message;
-      if (kind === END) this.error = "the publisher has gone";
+      if (kind === END) this.error = `${this.name}: the publisher has gone`;
       if (kind === HELLO) this.hello();
     } else {
       const bytes = new Uint8Array(data), [at] = this.module.put(bytes);

@@ -1,6 +1,7 @@
 // The page: the list of a server at BASE/, a reel at BASE/REEL, live streams at BASE/?live=a,b.
 import { element } from "./controls/dom";
 import { PointreelPlayer } from "./element";
+import { WANTS_TOKEN } from "./fetching";
 import { DRAWING, readFragment, Shown, writeFragment } from "./fragment";
 import { showList } from "./list";
 
@@ -61,6 +62,22 @@ function addWayBack(): void {
   });
 }
 
+/** Asks for a token, with which the page is loaded again. */
+function askForToken(): void {
+  if (root.querySelector(".token")) return;
+  const field = element("input", { type: "password", placeholder: "Token", "aria-label": "Token", autocomplete: "off" });
+  const form = element("form", { class: "token" }, field, element("button", {}, "Open"));
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    const fragment = new URLSearchParams(location.hash.slice(1));
+    fragment.set("token", field.value);
+    history.replaceState(null, "", `#${fragment}`);
+    location.reload();
+  });
+  root.append(form);
+  field.focus();
+}
+
 function show(src: string): void {
   const player = element("pointreel-player", { controls: "", tabindex: "-1" }) as PointreelPlayer;
   const { seconds, view } = draw(player);
@@ -81,6 +98,10 @@ function show(src: string): void {
     history.replaceState(null, "", writeFragment(live ? null : player.currentTime, player.player.settings, player.player.camera));
   };
   player.addEventListener("link", note);
+  const asking = window.setInterval(() => {
+    if (player.player.trouble?.includes(WANTS_TOKEN)) askForToken();
+    if (root.querySelector(".token") || player.player.pictures > 0) clearInterval(asking);
+  }, 500);
   let timer = 0;
   for (const event of ["viewchange", "seeked", "pause", "settingschange"])
     player.addEventListener(event, () => {
@@ -108,4 +129,5 @@ const src = sources();
 if (src) show(src);
 else showList(root, base, token).catch((error: Error) => {
   root.replaceChildren(element("p", { class: "error", role: "alert" }, `The list of reels cannot be shown: ${error.message}.`));
+  if (error.message.includes(WANTS_TOKEN)) askForToken();
 });

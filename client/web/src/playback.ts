@@ -239,14 +239,16 @@ export class ReelPlayback {
   }
 
   private show(look: Look, frame: number, direction: number): boolean {
-    let best = this.made.get(frame);
-    if (best && best.mode !== look.mode && this.shown?.mode === look.mode) best = undefined;
+    // Once there was a picture of the wanted mode, none of another is shown.
+    const usable = (made: MadeFrame | undefined) =>
+      made && (made.mode === look.mode || this.shown?.mode !== look.mode) ? made : undefined;
+    let best = usable(this.made.get(frame));
     if (!best && !this.isSeeking && !this.scrubbing && this.shown) {
       // The newest one between what is shown and what is due.
       for (let back = 1; back < MAKE_AHEAD && !best; ++back) {
         const other = frame - direction * back;
         if (other === this.shown.frame) break;
-        best = this.made.get(other);
+        best = usable(this.made.get(other));
       }
     }
     if (!best || best === this.shown) return false;

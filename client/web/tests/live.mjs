@@ -67,6 +67,9 @@ test("without the right token, one line says what to do", async () => {
     await says(tab, "valid token");
     await until(tab, `document.querySelector("pointreel-player").shadowRoot.textContent.includes("valid token")`,
                 "a person sees it");
+    await tab.fill(".token input", "see");
+    await Promise.all([tab.waitForEvent("load"), tab.keyboard.press("Enter")]);
+    await moves(tab);
     await close();
   }
   for (const program of [publisher, server]) await program.end();

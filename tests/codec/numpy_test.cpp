@@ -190,7 +190,8 @@ TEST(Numpy, padding_of_aligned_structures_is_not_said_to_be_unread) {
 }
 
 TEST(Numpy, names_may_be_empty) {
-  const auto cloud = read(npz({{"", npy("<f4", "(6,)", kTwo)}, {"points", npy("<f4", "(2, 3)", kTwo)}}));
+  const auto cloud =
+      read(npz({{"", npy("<f4", "(6,)", kTwo)}, {"points", npy("<f4", "(2, 3)", kTwo)}}));
   ASSERT_TRUE(cloud) << cloud.error().message;
   EXPECT_THAT(cloud->notes.unread, ElementsAre("(unnamed) (6,)"));
 }

@@ -8,9 +8,9 @@
 namespace pointreel {
 
 /// During its lifetime, turns the first SIGINT or SIGTERM into a stop request; the next one, unless
-/// it comes at once, as `timeout` sends two, ends the process, even if a shell started it in the background with SIGINT ignored. Construct it
-/// before starting threads: they inherit the blocked signals, and a thread without them would be
-/// killed by the first signal.
+/// it comes at once, as `timeout` sends two, ends the process, even if a shell started it in the
+/// background with SIGINT ignored. Construct it before starting threads: they inherit the blocked
+/// signals, and a thread without them would be killed by the first signal.
 class StopSignal {
  public:
   StopSignal();

@@ -51,7 +51,8 @@ bool WindowTest::wait_for_frame(int number) const {
 }
 
 int WindowTest::paused_frame() const {
-  return wait_until_still([&] { return frame(); }, milliseconds(600),  // three frames
+  return wait_until_still([&] { return frame(); },
+                          milliseconds(1200),  // six frames: machines are busy
                           [](int number) { return number >= 0; })
       .value_or(-1);
 }

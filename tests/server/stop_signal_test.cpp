@@ -37,7 +37,7 @@ void wait_for(const std::stop_token& stop) {
   const StopSignal stop;
   kill(getpid(), SIGINT);
   wait_for(stop.token());
-  ::usleep(500'000);
+  ::sleep(1);
   kill(getpid(), SIGINT);
   ::alarm(60);
   ::pause();  // until one of the signals ends the process
@@ -49,9 +49,9 @@ void wait_for(const std::stop_token& stop) {
   {
     const StopSignal stop;
     kill(getpid(), SIGTERM);
+    kill(getpid(), SIGINT);
     wait_for(stop.token());
-    kill(getpid(), SIGTERM);
-    ::usleep(500'000);
+    ::sleep(1);
   }
   std::_Exit(7);
 }

@@ -309,7 +309,8 @@ class Publisher {
 
   void tell_depth(int depth, double ms) {
     const int allowed = time_.depth();
-    const bool lower = allowed < allowed_ && allowed<depth, higher = allowed> allowed_;
+    const bool lower = allowed < std::min(allowed_, depth);
+    const bool higher = allowed > allowed_;
     allowed_ = allowed;
     if (lower) ++summary_.lowered;
     // A machine that is about fast enough goes up and down all the time.

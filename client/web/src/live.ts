@@ -7,6 +7,7 @@ import { Box, encode, Module, Vec3, WHOLE_FRAME } from "./module";
 import { MadeFrame } from "./playback";
 import { LostJob, Pool } from "./pool";
 import { reelInfo, ScalarRange, scalarsOf } from "./reel";
+import { decoded } from "./sources";
 import { kindOf, Look, preparation, viewOf } from "./view";
 
 const BAD = 0, HELLO = 1, END = 3;  // PrMessage
@@ -122,15 +123,7 @@ export class LivePlayback {
     this.connect();
   }
 
-  /** For people. */
-  private get name(): string {
-    const name = new URL(this.url).pathname.split("/").pop()!;
-    try {
-      return decodeURIComponent(name);
-    } catch {
-      return name;  // of a server whose names are not UTF-8
-    }
-  }
+  private get name(): string { return decoded(new URL(this.url).pathname.split("/").pop()!); }
   private get address(): string {
     if (!this.sound.isWanted) return this.url;
     return this.url + (this.url.includes("?") ? "&sound" : "?sound");

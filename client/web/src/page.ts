@@ -4,6 +4,7 @@ import { PointreelPlayer } from "./element";
 import { WANTS_TOKEN } from "./fetching";
 import { DRAWING, readFragment, Shown, writeFragment } from "./fragment";
 import { showList } from "./list";
+import { decoded } from "./sources";
 
 const root = document.getElementById("page")!;
 const query = new URLSearchParams(location.search);
@@ -14,15 +15,6 @@ const base = new URL(new URL("../../", import.meta.url).pathname.replace(/live\/
 // A token in the fragment never reaches the server's log.
 const tokenOf = () => new URLSearchParams(location.hash.slice(1)).get("token");
 const token = tokenOf();
-
-/** Part of an address, for people; as it is, if it is not UTF-8: names of folders need not be. */
-function decoded(part: string): string {
-  try {
-    return decodeURIComponent(part);
-  } catch {
-    return part;
-  }
-}
 
 /** The addresses to play, or null for the list. */
 function sources(): string | null {

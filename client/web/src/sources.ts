@@ -7,6 +7,15 @@ export function sourcesOf(text: string): string[] {
     .map((s) => (/^wss?:/.test(s) || /\.json(\?|$)/.test(s) ? s : s.replace(/\/?(\?|$)/, "/reel.json$1")));
 }
 
+/** Part of an address, for people; as it is, if it is not UTF-8: names need not be. */
+export function decoded(part: string): string {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part;
+  }
+}
+
 /** "x,y,z x,y,z"; what is no number counts as 0. */
 export function placesOf(text: string): Vec3[] {
   return text.split(/\s+/).filter((place) => place !== "").map((place) => {

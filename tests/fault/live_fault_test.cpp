@@ -5,6 +5,7 @@
 #include <csignal>
 #include <memory>
 #include <stdexcept>
+#include <thread>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -120,6 +121,7 @@ TEST_F(LiveFault, a_departed_publisher_is_reported_and_its_successor_is_shown) {
   successor_since_us_ = unix_time_us();
   ASSERT_TRUE(watcher_->hears_of_trouble());
   EXPECT_THAT(*watcher_->trouble(), HasSubstr("publisher has gone"));
+  std::this_thread::sleep_for(2ms);  // capture times are rounded down to milliseconds
   publisher_ = std::make_unique<StagePublisher>("ws://" + server_.address() + "/live/ball?publish");
   expect_to_be_live();
 }

@@ -8,7 +8,7 @@ import { MadeFrame } from "./playback";
 import { LostJob, Pool } from "./pool";
 import { reelInfo, ScalarRange, scalarsOf } from "./reel";
 import { decoded } from "./sources";
-import { kindOf, Look, preparation, viewOf } from "./view";
+import { fits, kindOf, Look, preparation, viewOf } from "./view";
 
 const BAD = 0, HELLO = 1, END = 3;  // PrMessage
 const DRACO = 2;  // PrReelInfo::codec
@@ -17,7 +17,22 @@ const isSound = (data: ArrayBuffer): boolean => data.byteLength >= 4 && new Data
 /** As PROTOCOL.md wants tokens in a subprotocol. */
 const escaped = (token: string): string => encodeURIComponent(token).replace(
   /[!'()*]/g, (c) => `%${c.charCodeAt(0).toString(16).toUpperCase()}`);
+/** Hosts to which the policy of the page's server allows no connection, which a WebSocket itself is not told. */
+const blockedHosts = new Set<string>();
+document.addEventListener("securitypolicyviolation", ({ blockedURI }) => {
+  if (/^wss?:/.test(blockedURI)) blockedHosts.add(new URL(blockedURI).host);
+});
 let nextKey = 0x40000000;  // reels count from 1
+
+interface LiveFrame {
+  number: number;
+  captureUs: number;
+  layers: number;
+  bytes: Uint8Array;
+  sizes: Uint32Array;
+  /** How long it was held, in milliseconds. */
+  held: number;
+}
 
 export class LivePlayback {
   shown: MadeFrame | null = null;
@@ -36,6 +51,8 @@ export class LivePlayback {
   private busy = false;
   private packing = false;
   private look: Look | null = null;
+  /** The frame that is shown, or being made. */
+  private taken: LiveFrame | null = null;
   private again = 0;
   private closed = false;
 
@@ -94,9 +111,15 @@ export class LivePlayback {
     socket.binaryType = "arraybuffer";
     let hasOpened = false;
     socket.onopen = () => { hasOpened = true; };
+    const isBlocked = () => blockedHosts.has(new URL(socket.url).host);
+    socket.onerror = () => {
+      if (!isBlocked()) return;
+      this.error = `${this.url}: the server of this page allows no connection to other servers`;
+      this.onReady();
+    };
     socket.onmessage = ({ data }) => this.receive(data as string | ArrayBuffer);
     socket.onclose = (event) => {
-      if (this.closed || socket !== this.socket) return;
+      if (this.closed || socket !== this.socket || isBlocked()) return;
       this.forget();
       this.error = event.reason || (this.shown ? "the connection was lost" : "there is no live stream yet");
       if (!hasOpened) this.askWhy();
@@ -176,7 +199,7 @@ export class LivePlayback {
     this.poolFor(info[3] === DRACO).then((pool) => {
       if (this.closed || this.pool === pool) return;
       this.pool = pool;
-      this.shown = null;
+      this.shown = this.taken = null;
       this.next();
     }).catch((error: Error) => {
       this.error = error.message;
@@ -188,27 +211,38 @@ export class LivePlayback {
     this.onReady();
   }
 
-  private next(): void {
-    const { look, pool } = this;
-    if (this.busy || !look || !pool || !this.playing || this.closed) return;
+  /** The newest frame that has come, once. */
+  private takeNewest(): LiveFrame | null {
     const found = this.module.call("pr_live_next", this.handle, Math.round(performance.now() * 1000));
-    if (found === 0) return;
-    const f = this.module.doubles(found, 7), worker = pool.idlest(), life = pool.life(worker);
-    const bytes = this.module.bytes(f[4]!, f[5]!).slice();
-    const sizes = Uint32Array.from(this.module.ints(f[6]!, 3 * f[2]!));
-    const how = preparation(look, WHOLE_FRAME, f[0]!, f[1]!, [0, 0, 0, 1], DECODE_BYTES,
+    if (found === 0) return null;
+    const f = this.module.doubles(found, 7), layers = f[2]!;
+    return { number: f[0]!, captureUs: f[1]!, layers, bytes: this.module.bytes(f[4]!, f[5]!).slice(),
+             sizes: Uint32Array.from(this.module.ints(f[6]!, 3 * layers)), held: this.hold.held };
+  }
+
+  /** Makes what has come, or, as for another mode, what is shown once more. */
+  private next(): void {
+    const { look, pool, shown } = this;
+    if (this.busy || !look || !pool || this.closed) return;
+    const newest = this.playing ? this.takeNewest() : null;
+    const frame = newest ?? (shown && !fits(shown, look) ? this.taken : null);
+    if (!frame) return;
+    this.taken = frame;
+    const { number, captureUs, layers, sizes } = frame, worker = pool.idlest(), life = pool.life(worker);
+    const how = preparation(look, WHOLE_FRAME, number, captureUs, [0, 0, 0, 1], DECODE_BYTES,
                             { scalars: this.scalars, normalsEstimated: false });
-    const key = nextKey++, { number } = look, shownAt = { capture: f[1]! / 1000, held: this.hold.held };
+    const key = nextKey++;
     this.busy = true;
-    pool.prepare(worker, key, { bytes, sizes, video: null }, 0, how, viewOf(look, this.place)).then((done) => {
+    pool.prepare(worker, key, { bytes: frame.bytes.slice(), sizes, video: null }, 0, how, viewOf(look, this.place)).then((done) => {
       const old = this.shown;
       if (old && old.life === pool.life(old.worker)) pool.drop(old.worker, [old.key]);
-      this.shown = { ...kindOf(look), frame: f[0]!, worker, life, key, layers: f[2]!, level: WHOLE_FRAME,
-                     facts: done.facts, packed: done.packed, look: number, times: done.times };
-      this.shownAt = shownAt;
-      this.frames += 1;
+      this.shown = { ...kindOf(look), frame: number, worker, life, key, layers, level: WHOLE_FRAME,
+                     facts: done.facts, packed: done.packed, look: look.number, times: done.times };
+      this.shownAt = { capture: captureUs / 1000, held: frame.held };
+      if (newest) this.frames += 1;
     }).catch((error: Error) => {
-      if (!(error instanceof LostJob)) this.error = `frame ${f[0]!}: ${error.message}`;
+      this.taken = null;  // it would fail again
+      if (!(error instanceof LostJob)) this.error = `frame ${number}: ${error.message}`;
     }).finally(() => {
       this.busy = false;
       this.onReady();

@@ -15,8 +15,9 @@ const STEPS: readonly Coarsening[] = [
 ];
 /** As asked. */
 export const FINEST = STEPS[0]!;
-const SLOW_MS = 40, HIDDEN_MS = 1000;
-const LATE = 4;                                 // slow pictures, each making up for two fast ones
+const SLOW_MS = 40;
+/** Slow pictures, each making up for two fast ones. One alone, as after the page was hidden, never is too many. */
+const LATE = 4;
 const SETTLES = 500;                            // ms until frames that were made before are no longer shown
 const PATIENCE = 4000, MOST_PATIENCE = 64_000;  // ms without slow pictures before a finer step is tried
 
@@ -40,9 +41,9 @@ export class Pace {
   tick(now: number): void {
     const between = now - this.last;
     this.last = now;
-    if (between > HIDDEN_MS || now - this.stepped < SETTLES) return;
+    if (now - this.stepped < SETTLES) return;
     const late = between > SLOW_MS;
-    this.slow = late ? Math.min(this.slow + between / SLOW_MS, 2 * LATE) : Math.max(0, this.slow - 0.5);
+    this.slow = late ? this.slow + Math.min(between / SLOW_MS, LATE) : Math.max(0, this.slow - 0.5);
     if (this.slow > 0) this.since = now;
     if (this.slow > LATE && this.step < STEPS.length - 1) {
       // A finer step that soon failed is tried again after twice as long.

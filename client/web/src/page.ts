@@ -23,9 +23,10 @@ function sources(): string | null {
     url.protocol = base.protocol.replace("http", "ws");
     return url.href;
   };
-  const names = query.get("live"), reel = query.get("reel");
-  if (names) return names.split(",").map((name) => (/^wss?:/.test(name) ? name : live(name))).join(" ");
-  if (reel) return reel;
+  const names = (query.get("live") ?? "").split(",").map((name) => name.trim()).filter((name) => name !== "");
+  if (names.length > 0) return names.map((name) => (/^wss?:/.test(name) ? name : live(name))).join(" ");
+  const reel = query.get("reel")?.trim();
+  if (reel) return reel.replace(/\s/g, encodeURIComponent);  // spaces are between addresses
   const path = location.pathname.slice(base.pathname.length).replace(/\/?(index\.html)?$/, "");
   if (path.startsWith("live/")) return live(decoded(path.slice(5)));
   return path === "" ? null : new URL(path, base).href;

@@ -239,9 +239,9 @@ export class ReelPlayback {
   }
 
   private show(look: Look, frame: number, direction: number): boolean {
-    // Once there was a picture of the wanted mode, none of another is shown.
-    const usable = (made: MadeFrame | undefined) =>
-      made && (made.mode === look.mode || this.shown?.mode !== look.mode) ? made : undefined;
+    // Once there was a picture of the wanted kind, none of another is shown.
+    const isFirst = !this.shown || !fits(this.shown, look);
+    const usable = (made: MadeFrame | undefined) => (made && (isFirst || fits(made, look)) ? made : undefined);
     let best = usable(this.made.get(frame));
     if (!best && !this.isSeeking && !this.scrubbing && this.shown) {
       // The newest one between what is shown and what is due.

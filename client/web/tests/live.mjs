@@ -49,6 +49,29 @@ test("two publishers stand beside each other in one scene", async () => {
   for (const program of [...publishers, server]) await program.end();
 });
 
+test("a stream that is paused follows the choice of a mode", async () => {
+  const server = await serveLive(), publisher = publishTo(server.address, "alice");
+  const { tab, close } = await open(`http://${server.address}/live/alice#token=see`);
+  await moves(tab);
+  await ask(tab, "player.pause()");
+  const frame = await ask(tab, "player.player.live[0].shown.frame");
+  await ask(tab, 'void (player.mode = "voxel")');
+  await until(tab, `document.querySelector("pointreel-player").player.live[0].shown.mode === "voxel"`, "voxels are shown", WAIT);
+  const later = await ask(tab, "player.player.live[0].shown.frame");
+  // A frame that was being made when the stream was paused may still come.
+  assert.ok(later - frame <= 1, `frame ${later} after ${frame}`);
+  await close();
+  for (const program of [publisher, server]) await program.end();
+});
+
+test("a page says that its server allows no connection to others", async () => {
+  const server = await serveLive();
+  const { tab, close } = await open(`http://${server.address}/?live=ws://127.0.0.2:9/live/alice#token=see`);
+  await says(tab, "ws://127.0.0.2:9/live/alice: the server of this page allows no connection to other servers");
+  await close();
+  await server.end();
+});
+
 test("a link that names very many streams opens some of them and says so", async () => {
   const server = await serveLive(), names = Array.from({ length: 200 }, (_, i) => `s${i}`);
   const { tab, close } = await open(`http://${server.address}/?live=${names.join(",")}#token=see`);

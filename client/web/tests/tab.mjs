@@ -11,7 +11,7 @@ export async function openTab(browser, url, { requestsFail = false, ...options }
   const faults = [];
   tab.on("pageerror", (error) => faults.push(error.message));
   tab.on("console", (message) => {
-    const isRequest = requestsFail && /^Failed to load resource|^WebSocket connection to|^Access to fetch at/.test(message.text());
+    const isRequest = requestsFail && /^Failed to load resource|^WebSocket connection to|^Access to fetch at|^Connecting to/.test(message.text());
     if (message.type() === "error" && !isRequest) faults.push(message.text());
   });
   await tab.goto(url);

@@ -207,6 +207,16 @@ std::optional<std::uint64_t> CloudSequence::captured_us() const {
   return first && *first >= kEarliest && *first < kLatest ? first : std::nullopt;
 }
 
+namespace {
+
+/// Frames per second. Recordings round their times to microseconds: 33,333 are 30 frames a second.
+double frame_rate(double spacing_us) {
+  const double rate = 1e6 / spacing_us, whole = std::max(1.0, std::round(rate));
+  return std::abs(1e6 / whole - spacing_us) <= 1.0 ? whole : rate;
+}
+
+}  // namespace
+
 void CloudSequence::find_times() {
   const auto show_evenly = [this](const std::string& why) {
     warnings.push_back(why + ": the frames are shown evenly (--fps says how many a second)");
@@ -231,7 +241,7 @@ void CloudSequence::find_times() {
   std::nth_element(spacings.begin(), middle, spacings.end());
   if (*middle == 0) return show_evenly("most frames have the time of the frame before");
   times_us = std::move(times);
-  fps = 1e6 / static_cast<double>(*middle);
+  fps = frame_rate(static_cast<double>(*middle));
 }
 
 namespace {

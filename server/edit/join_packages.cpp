@@ -32,8 +32,8 @@ Result<void> check_alike(const Manifest& whole, const Manifest& next) {
     return fail(ErrorCode::argument, "the two reels have different " + std::move(what));
   };
   if (whole.fps != next.fps) {
-    return differ(
-        fmt::format("frame rates, {} and {}", number_text(whole.fps), number_text(next.fps)));
+    return differ(fmt::format("frame rates, {} and {} (pack --fps sets it)", number_text(whole.fps),
+                              number_text(next.fps)));
   }
   // What has no points has no attributes.
   if (whole.bounds.empty() || next.bounds.empty()) return {};

@@ -39,13 +39,14 @@ Bytes cloud(float x) {
 Bytes described() { return W::schema(1, kClouds) + W::channel(1, 1, "/points"); }
 
 /// Two chunks with two messages each, indexed or not.
-Bytes recording(const std::string& compression, bool indexed) {
+Bytes recording(const std::string& compression, bool indexed,
+                std::uint64_t spacing_ns = 100'000'000) {
   McapWriter out;
   for (std::uint64_t i = 0; i < 2; ++i) {
     Bytes records = described();
     std::vector<std::pair<std::uint64_t, std::uint64_t>> entries;
     for (std::uint64_t j = 0; j < 2; ++j) {
-      const std::uint64_t time = 1'000'000'000 + 100'000'000 * (2 * i + j);
+      const std::uint64_t time = 1'000'000'000 + spacing_ns * (2 * i + j);
       entries.emplace_back(time, records.size());
       records = records + W::message(1, time, cloud(static_cast<float>(2 * i + j)));
     }
@@ -217,6 +218,20 @@ TEST(Mcap, a_recording_is_a_sequence_of_frames_at_the_times_of_its_messages) {
   ASSERT_TRUE(fetched) << fetched.error().message;
   EXPECT_EQ(fetched->bytes, cloud(2));
   EXPECT_EQ(fetched->format, CloudFormat::point_cloud2);
+}
+
+TEST(Mcap, a_frame_rate_is_whole_where_only_rounding_to_microseconds_keeps_it_from_that) {
+  const auto rate = [](std::uint64_t spacing_us) {
+    const TemporaryFolder folder;
+    const Bytes bytes = recording("", true, 1000 * spacing_us);
+    folder.write("walk.mcap", std::string(bytes.begin(), bytes.end()));
+    return list_cloud_frames({folder.path()})->fps;
+  };
+  EXPECT_EQ(rate(33'333), 30.0);
+  EXPECT_EQ(rate(33'334), 30.0);
+  EXPECT_NEAR(rate(33'367), 29.97, 0.001);
+  EXPECT_NEAR(rate(99'990), 10.001, 0.0001);
+  EXPECT_EQ(rate(3'000'000), 1.0 / 3.0);
 }
 
 }  // namespace

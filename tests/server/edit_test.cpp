@@ -278,7 +278,8 @@ TEST_F(Edit, packages_that_do_not_go_together_are_refused_in_one_line) {
   EXPECT_EQ(refusal(draco_options()), "the two reels have different codecs");
   PackOptions other = layered_options();
   other.fps = 25.0;
-  EXPECT_EQ(refusal(other), "the two reels have different frame rates, 30 and 25");
+  EXPECT_EQ(refusal(other),
+            "the two reels have different frame rates, 30 and 25 (pack --fps sets it)");
   other = layered_options();
   other.encode.codec = OctreeOptions{Entropy::zstd, DepthRule::fixed(10)};
   EXPECT_EQ(refusal(other), "the two reels have different entropy coders");

@@ -94,6 +94,14 @@ class OffscreenPlayer {
                                          name(instancing)));
   }
 
+  /// Live streams may never end.
+  void say_what_ends_it() const {
+    bool is_live = false;
+    for (std::size_t i = 0; i < stage_->size(); ++i) is_live |= stage_->live(i) != nullptr;
+    if (is_live && !options_.duration)
+      print_error("pointreel", "playing until Ctrl-C; --duration SECONDS ends it by itself");
+  }
+
   /// Null if it was stopped.
   Result<std::unique_ptr<Stage>> open_stage() {
     Stage::Options stage = stage_options(options_);
@@ -285,6 +293,7 @@ class OffscreenPlayer {
 
   Result<void> play_in_real_time() {
     TRY(open_recording(std::nullopt, std::nullopt));
+    bool is_first = true;
     auto last_look = steady_clock::now();
     while (!stop_.stop_requested()) {
       const auto now = steady_clock::now();
@@ -301,6 +310,7 @@ class OffscreenPlayer {
       if (!update.changes.empty()) {
         TRY(draw(update.changes));
         TRY(record(time_us));
+        if (std::exchange(is_first, false)) say_what_ends_it();
       }
       if (now - last_look >= kLookPeriod) {
         last_look = now;

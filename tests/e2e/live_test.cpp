@@ -231,6 +231,25 @@ TEST(Live, a_recording_stops_while_it_cannot_be_written_and_then_continues) {
   EXPECT_FALSE(fs::exists(folder / "record" / "stage-2"));
 }
 
+TEST(Live, a_player_without_a_duration_says_what_ends_it_and_then_writes_its_picture) {
+  const TemporaryFolder folder;
+  const fs::path said = folder / "said", picture = folder / "picture.png";
+  fs::create_directories(folder / "frames");
+  ASSERT_TRUE(write_ply(folder / "frames/frame.ply", spiral(0)));
+  Background server("pointreel-server", {"serve", "--live", "--listen", "127.0.0.1:0"});
+  const std::string url = "ws://" + server_address(server) + "/live/stage";
+  Background publisher("pointreel-server",
+                       {"publish", "-i", (folder / "frames").string(), "--loop", "--to", url});
+  Surroundings surroundings;
+  surroundings.err = said.string();
+  Background player("pointreel",
+                    {"play", url, "--offscreen", "64x64", "--screenshot", picture.string()},
+                    surroundings);
+  ASSERT_TRUE(wait_until([&] { return read_file(said).find("--duration") != std::string::npos; }));
+  EXPECT_EQ(player.end(SIGINT), 0);
+  EXPECT_TRUE(fs::exists(picture));
+}
+
 TEST(Live, publishers_and_viewers_give_up_where_their_own_certificate_file_is_wrong) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_ply(folder.path() / "frame.ply", spiral(0)));

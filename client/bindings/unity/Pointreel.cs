@@ -120,7 +120,14 @@ namespace Pointreel
 
     static class Text
     {
-        public static byte[] Utf8(string text) { return Encoding.UTF8.GetBytes(text + "\0"); }
+        public static byte[] Utf8(string text)
+        {
+            if (text == null)
+                throw new ArgumentNullException("where");
+            if (text.IndexOf('\0') >= 0)
+                throw new ArgumentException("a path or an address has a null character");
+            return Encoding.UTF8.GetBytes(text + "\0");
+        }
 
         public static string Of(IntPtr text)
         {
@@ -196,6 +203,8 @@ namespace Pointreel
         /// <summary>Decodes what pointreel_encode made, or a PLY or Draco file.</summary>
         public static Frame Decode(byte[] data)
         {
+            if (data == null)
+                throw new ArgumentNullException("data");
             IntPtr frame;
             ReadOptions options = Reel.Reading(null, 0);
             PointreelException.Check(Native.pointreel_decode(data, (UIntPtr)(uint)data.Length, ref options, out frame));

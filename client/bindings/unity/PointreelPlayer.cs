@@ -60,9 +60,10 @@ namespace Pointreel
                 else
                     ReadReel();
             }
-            catch (PointreelException exception)
+            catch (Exception exception)
             {
-                if (exception.Status != Status.Cancelled)
+                PointreelException known = exception as PointreelException;
+                if (known == null || known.Status != Status.Cancelled)
                     Debug.LogError("Pointreel: " + exception.Message);
             }
         }
@@ -80,6 +81,8 @@ namespace Pointreel
         {
             using (Reel reel = new Reel(where, canceller))
             {
+                if (reel.Frames == 0)
+                    throw new Exception(where + ": the reel has no frames");
                 System.Diagnostics.Stopwatch clock = System.Diagnostics.Stopwatch.StartNew();
                 double duration = Math.Max(1e-3, 1e-6 * reel.Info.DurationUs);
                 for (long shown = 0;; ++shown)

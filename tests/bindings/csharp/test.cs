@@ -27,6 +27,19 @@ static class Test
         }
     }
 
+    static bool Refuses<E>(Action work) where E : Exception
+    {
+        try
+        {
+            work();
+            return false;
+        }
+        catch (E)
+        {
+            return true;
+        }
+    }
+
     static int Main(string[] arguments)
     {
         using (Reel reel = new Reel(arguments[0]))
@@ -57,6 +70,9 @@ static class Test
         }
         Expect(StatusOf(() => new Reel("/nowhere/ü")) == Status.NotFound, "no such reel");
         Expect(StatusOf(() => Frame.Decode(new byte[100])) == Status.Invalid, "bytes that are no frame");
+        Expect(Refuses<ArgumentException>(() => new Reel("a\0b")), "a name with a null character");
+        Expect(Refuses<ArgumentNullException>(() => new Reel(null)), "no name");
+        Expect(Refuses<ArgumentNullException>(() => Frame.Decode(null)), "no bytes");
         using (Canceller canceller = new Canceller())
         using (Live live = new Live("ws://127.0.0.1:9/live/nobody", canceller))
         {

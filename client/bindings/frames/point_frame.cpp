@@ -11,7 +11,7 @@
 namespace pointreel {
 
 Result<SharedFrame> decode_points(FetchedFrame fetched, const FrameInfo& info,
-                                  const ReadLimits& limits) {
+                                  const ReadLimits& limits, Up up) {
   return or_out_of_memory([&]() -> Result<SharedFrame> {
     DecodeLimits decode;
     decode.max_memory = limits.max_memory;
@@ -23,16 +23,17 @@ Result<SharedFrame> decode_points(FetchedFrame fetched, const FrameInfo& info,
     frame->cloud = std::move(decoded.cloud);
     frame->info = info;
     frame->info.cube = decoded.cube;
+    frame->up = up;
     frame->layers = static_cast<std::uint32_t>(fetched.layers.size());
     frame->fetched = std::move(fetched);
     return frame;
   });
 }
 
-Result<SharedFrame> decode_live(LiveFrame frame, const ReadLimits& limits) {
+Result<SharedFrame> decode_live(LiveFrame frame, const ReadLimits& limits, Up up) {
   const std::size_t layers = std::max<std::size_t>(1, limits.layers);
   if (frame.frame.layers.size() > layers) frame.frame.layers.resize(layers);
-  return decode_points(std::move(frame.frame), {frame.number, frame.capture_us, {}}, limits);
+  return decode_points(std::move(frame.frame), {frame.number, frame.capture_us, {}}, limits, up);
 }
 
 }  // namespace pointreel

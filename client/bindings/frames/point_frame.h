@@ -9,6 +9,7 @@
 #include "client/source/live_source.h"
 #include "pointreel/cloud.h"
 #include "pointreel/error.h"
+#include "pointreel/up.h"
 
 /// Frames as points, for programs in other languages.
 namespace pointreel {
@@ -17,6 +18,7 @@ namespace pointreel {
 struct PointFrame {
   PointCloud cloud;
   FrameInfo info;            ///< with the cube of the frame
+  Up up = 'y';               ///< of its reel or stream
   std::uint32_t layers = 0;  ///< that it was decoded from; 0 for a file
   FetchedFrame fetched;      ///< what it was decoded from, to be drawn
 };
@@ -30,9 +32,9 @@ struct ReadLimits {
 
 /// Decodes what was fetched of a frame, on the idle threads of the caller's TBB arena as well.
 Result<SharedFrame> decode_points(FetchedFrame fetched, const FrameInfo& info,
-                                  const ReadLimits& limits);
+                                  const ReadLimits& limits, Up up = 'y');
 
 /// The same of a live frame.
-Result<SharedFrame> decode_live(LiveFrame frame, const ReadLimits& limits);
+Result<SharedFrame> decode_live(LiveFrame frame, const ReadLimits& limits, Up up = 'y');
 
 }  // namespace pointreel

@@ -23,7 +23,7 @@ Result<SharedFrame> ReelFrames::read(std::uint32_t index, const ReadLimits& limi
   request.stop = limits.stop;
   FrameInfo info = frame_info(manifest(), request.frame);
   info.index = index;
-  auto frame = decode_points(TRY(source_->fetch(request)), info, limits);
+  auto frame = decode_points(TRY(source_->fetch(request)), info, limits, manifest().up);
   if (!frame && manifest().codec != "files") return fail_at(concat("frame ", index), frame.error());
   return frame;
 }

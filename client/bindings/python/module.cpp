@@ -293,7 +293,10 @@ class PyLive {
       return std::nullopt;
     }
     const ReadLimits limits = read_limits(layers, max_memory);
-    return PyFrame{without_gil([&] { return decode_live(std::move(*frame), limits); })};
+    return PyFrame{without_gil([&] {
+      const auto hello = source_->hello(std::chrono::milliseconds(0));
+      return decode_live(std::move(*frame), limits, hello ? hello->up : Up('y'));
+    })};
   }
 
   std::string trouble() const { return source_->trouble().value_or(""); }
@@ -563,6 +566,9 @@ PYBIND11_MODULE(_native, module) {
           "time",
           [](const PyFrame& self) { return static_cast<double>(self.frame->info.time_us) / 1e6; },
           "Seconds from the reel's start; of live streams, Unix time of the capture.")
+      .def_property_readonly(
+          "up", [](const PyFrame& self) { return self.frame->up.text(); },
+          "The axis that points up in its reel or stream: x, -x, y, -y, z or -z; else y.")
       .def_property_readonly(
           "layers", [](const PyFrame& self) { return self.frame->layers; },
           "How many layers it was decoded from; 0 for a file.");

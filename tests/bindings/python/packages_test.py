@@ -5,6 +5,7 @@ import subprocess
 import threading
 import types
 import unittest
+import warnings
 
 import numpy as np
 
@@ -24,6 +25,27 @@ class Packages(TemporaryFolder):
             self.assertEqual(pointreel.open(self.make(1, up=up, replace=True)).up, up)
         with self.assertRaises(pointreel.Error):
             self.make(1, up="Y", replace=True)
+
+    def test_frames_know_which_axis_points_up(self):
+        frame = pointreel.open(self.make(1, up="-z"))[0]
+        self.assertEqual(frame.up, "-z")
+        self.assertEqual(pointreel.decode(pointreel.encode(*ball())).up, "y")
+        pictures = [pointreel.render(frame, size=(64, 48), view=(0, 20), **options)
+                    for options in ({}, {"up": "-z"}, {"up": "y"})]
+        np.testing.assert_array_equal(pictures[0], pictures[1])
+        self.assertTrue((pictures[0] != pictures[2]).any())
+        with self.assertWarnsRegex(UserWarning, "-z points up in the frames, and y in what is writ"):
+            pointreel.pack([frame, frame], self.folder / "list")
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            pointreel.pack([frame], self.folder / "list", up="-z", replace=True)
+
+    def test_one_frame_is_no_list_of_frames(self):
+        points = pointreel.Points(*ball())
+        for frame in (ball(), ball()[:2], points, points._asdict(), ball()[0],
+                      pointreel.decode(pointreel.encode(*ball()))):
+            with self.assertRaisesRegex(TypeError, "frames is a list of frames"):
+                pointreel.pack(frame, self.folder / "one")
 
     def test_a_package_has_what_was_packed(self):
         reel = pointreel.open(self.make(up="z", name="a ball", segment=4))
@@ -50,9 +72,11 @@ class Packages(TemporaryFolder):
         self.assertEqual(reel[2:8][1:][::2][-1].index, indices[2:8][1:][::2][-1])
         self.assertEqual([frame.index for frame in reversed(reel[:3])], [2, 1, 0])
         for wrong in (10, -11):
-            with self.assertRaises(IndexError):
+            with self.assertRaisesRegex(IndexError, f"no frame {wrong}; there are 10 frames"):
                 reel[wrong]
-        with self.assertRaises(TypeError):
+            with self.assertRaisesRegex(IndexError, f"no frame {wrong}"):
+                reel.read(wrong)
+        with self.assertRaisesRegex(TypeError, "a whole number, not str"):
             reel["first"]
 
     def test_iteration_gives_what_indexing_gives(self):

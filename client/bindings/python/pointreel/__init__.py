@@ -9,7 +9,8 @@
         ...
 
 All functions raise `pointreel.Error` if something fails, whose member `code` tells what kind of
-failure it was, and TypeError or ValueError for arguments that make no sense. What is left out or
+failure it was ("argument": something given is out of its range), and TypeError or ValueError for
+arguments of the wrong type or shape. What is left out or
 guessed is a warning (`warnings.warn`). They let other threads run while they fetch, decode or
 encode. Ctrl-C ends them.
 """
@@ -126,6 +127,32 @@ class _Steps:
             _warn(f"scalar_steps: no frame has the field {', '.join(sorted(self._unused))}")
 
 
+class _Axis:
+    """The axis that points up in what is written, and a warning where frames have another one."""
+
+    def __init__(self, up: Optional[str]):
+        self.up = "y" if up is None else up
+        self._is_guess = up is None
+
+    def see(self, frame: Any) -> None:
+        if self._is_guess and isinstance(frame, Frame) and frame.up != self.up:
+            self._is_guess = False
+            _warn(f"{frame.up} points up in the frames, and {self.up} in what is written; "
+                  f"up={frame.up!r} keeps it")
+
+
+def _index(index: Any, count: int) -> int:
+    """Of one of so many frames, from the end if it is negative."""
+    try:
+        number = operator.index(index)
+    except TypeError:
+        raise TypeError(f"the number of a frame is a whole number, not {type(index).__name__}"
+                        ) from None
+    if not -count <= number < count:
+        raise IndexError(f"there is no frame {number}; there are {count} frames")
+    return number % count
+
+
 class Frames(Sequence[Frame]):
     """Frames of a reel in some order. Nothing is read before a frame is asked for."""
 
@@ -142,7 +169,7 @@ class Frames(Sequence[Frame]):
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return Frames(self._reel, self._indices[index])
-        return self._reel.read(self._indices[index])
+        return self._reel.read(self._indices[_index(index, len(self))])
 
     def __iter__(self) -> Iterator[Frame]:
         return self._reel._ahead(self._indices)
@@ -251,7 +278,7 @@ class Reel(_Source[_native.Reel], Frames):
     def read(self, index: int, layers: Optional[int] = None) -> Frame:
         """A frame, of its first `layers` layers if that is given."""
         _check_counts(layers=layers)
-        frame = self._opened().read(range(len(self))[index],
+        frame = self._opened().read(_index(index, len(self)),
                                     self._layers if layers is None else layers, self._max_memory)
         _tell(self._opened())
         return frame
@@ -502,11 +529,14 @@ def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: Opti
     """
     encoding = _encoding(codec, depth, voxel, delta, color_quality, normal_quality, fast,
                          scalar_steps)
-    if isinstance(frames, (str, bytes, os.PathLike, np.ndarray)):
+    is_arrays = (isinstance(frames, tuple) and len(frames) in (2, 3) and
+                 all(isinstance(part, np.ndarray) for part in frames))
+    if is_arrays or isinstance(frames, (str, bytes, os.PathLike, np.ndarray, Frame, Points, dict)):
         raise TypeError(f"frames is a list of frames, not {type(frames).__name__}; "
                         "pack([frame], path) packs one, pack(open(file), path) files")
     fps = getattr(frames, "fps", 30.0) if fps is None else fps
-    up = getattr(frames, "up", "y") if up is None else up
+    axis = _Axis(getattr(frames, "up", None) if up is None else up)
+    up = axis.up
     _check_texts(name=name, up=up, cube=cube, normals=normals)
     _check_numbers(fps=fps)
     _check_counts(segment=segment, group=group)
@@ -521,6 +551,7 @@ def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: Opti
     count = 0
     for item in frames:
         time = None
+        axis.see(item)
         if isinstance(item, Frame):
             time = None if start is None else item.time - start
         else:
@@ -540,9 +571,9 @@ def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: Opti
 class Publisher:
     """A live stream that this program publishes."""
 
-    def __init__(self, native: _native.Publisher, steps: _Steps):
+    def __init__(self, native: _native.Publisher, steps: _Steps, axis: _Axis):
         self._native: Optional[_native.Publisher] = native
-        self._steps = steps
+        self._steps, self._axis = steps, axis
         self._last: Tuple[int, int, str] = (0, 0, "")
 
     def send(self, frame: Any) -> None:
@@ -551,6 +582,7 @@ class Publisher:
         frames are left out."""
         if self._native is None:
             raise ValueError("the stream is closed")
+        self._axis.see(frame)
         self._steps.see(_give(frame, self._native.send, self._native.send_frame))
 
     @property
@@ -600,28 +632,30 @@ class Publisher:
 
 
 def publish(url: str, *, token: str = "", ca_file: str = "", name: str = "", fps: float = 30.0,
-            up: str = "y", codec: str = "octree", depth: Optional[int] = None,
+            up: Optional[str] = None, codec: str = "octree", depth: Optional[int] = None,
             voxel: Optional[float] = None, delta: Optional[float] = None,
             color_quality: Optional[int] = None, normal_quality: Optional[int] = None,
             fast: bool = True, scalar_steps: Optional[Mapping[str, float]] = None) -> Publisher:
     """Publishes frames as they come: `with pointreel.publish(url) as stream: stream.send(frame)`.
 
     url: ws(s)://HOST/live/NAME on a server that was started with --live. token: the server's for
-    publishers. fps: the nominal frame rate. A lost connection is restored, and a program that was
-    killed and started again by the same user takes the name back at once. The rest is as for
-    `encode`, but octrees are `fast` by default.
+    publishers. fps: the nominal frame rate. up: the axis that points up, by default y. A lost
+    connection is restored, and a program that was killed and started again by the same user takes
+    the name back at once. The rest is as for `encode`, but octrees are `fast` by default.
     """
     encoding = _encoding(codec, depth, voxel, delta, color_quality, normal_quality,
                          fast and codec == "octree", scalar_steps)
-    _check_texts(url=url, token=token, ca_file=ca_file, name=name, up=up)
+    axis = _Axis(up)
+    _check_texts(url=url, token=token, ca_file=ca_file, name=name, up=axis.up)
     _check((int, float, np.integer, np.floating), "a number", fps=fps)
-    return Publisher(_native.Publisher(url, token, ca_file, name, fps, up, encoding),
-                     _Steps(codec, scalar_steps))
+    return Publisher(_native.Publisher(url, token, ca_file, name, fps, axis.up, encoding),
+                     _Steps(codec, scalar_steps), axis)
 
 
 def render(frame: Any, *, size: Tuple[int, int] = (1280, 720), mode: str = "surfel",
-           view: Union[str, Tuple[float, float], None] = None, zoom: float = 1.0, up: str = "y",
-           bounds: Any = None, target: Union[str, Tuple[float, float, float], None] = None,
+           view: Union[str, Tuple[float, float], None] = None, zoom: float = 1.0,
+           up: Optional[str] = None, bounds: Any = None,
+           target: Union[str, Tuple[float, float, float], None] = None,
            color: str = "colors", color_range: Optional[Tuple[float, float]] = None,
            light: str = "flat",
            background: Union[str, Tuple[float, float, float]] = (0.11, 0.12, 0.14)
@@ -632,11 +666,13 @@ def render(frame: Any, *, size: Tuple[int, int] = (1280, 720), mode: str = "surf
     back, left, right, top or bottom, or yaw and pitch of the camera in degrees, (0, 0) from the
     front; by default slightly from above. bounds: what the picture shows, 2 x 3; give `reel.bounds`
     to draw several frames alike. target: what the camera looks at, a point, or feet, middle or head;
-    by default the middle of `bounds`. up: the axis that points up, as `reel.up`. color: colors,
-    normals, plain, curvature, accessibility, depth, contours, or the name of a scalar field;
-    color_range: the values at the ends of its ramp, by default those of the reel, or of the frame.
-    light: flat, studio or none. background: three numbers from 0 to 1, or "#rrggbb".
+    by default the middle of `bounds`. up: the axis that points up, by default that of the frame's
+    reel, or y. color: colors, normals, plain, curvature, accessibility, depth, contours, or the name
+    of a scalar field; color_range: the values at the ends of its ramp, by default those of the reel,
+    or of the frame. light: flat, studio or none. background: three numbers from 0 to 1, or "#rrggbb".
     """
+    if up is None:
+        up = frame.up if isinstance(frame, Frame) else "y"
     _check_texts(mode=mode, up=up, color=color, light=light)
     _check_numbers(zoom=zoom)
     height = None

@@ -1,6 +1,7 @@
 #include "codec/segments/append_manifest.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,16 +13,20 @@
 namespace pointreel {
 namespace {
 
-/// Why frames of the two cannot be in one reel, in a word; nothing if they can.
-const char* difference(const Manifest& a, const Manifest& b) {
-  if (a.codec != b.codec) return "codecs";
-  if (a.group_frames != b.group_frames) return "groups of frames";
-  if (a.entropy != b.entropy) return "entropy coders";
+/// Why frames of the two cannot be in one reel; empty if they can.
+std::string difference(const Manifest& a, const Manifest& b) {
+  const auto differ = [](const char* what, const auto& one, const auto& other, const char* option) {
+    return fmt::format("{}, {} and {} (pack {} sets it)", what, one, other, option);
+  };
+  if (a.codec != b.codec) return differ("codecs", a.codec, b.codec, "--codec");
+  if (a.group_frames != b.group_frames)
+    return differ("groups of frames", a.group_frames, b.group_frames, "--group");
+  if (a.entropy != b.entropy) return differ("entropy coders", a.entropy, b.entropy, "--entropy");
   if (a.layer_names != b.layer_names) return "layers";
-  if (a.up != b.up) return "axes that point up";
+  if (a.up != b.up) return differ("axes that point up", a.up.text(), b.up.text(), "--up");
   const bool same_tables = a.tables.has_value() == b.tables.has_value() &&
                            (!a.tables || a.tables->checksum == b.tables->checksum);
-  return same_tables ? nullptr : "context tables";
+  return same_tables ? "" : "context tables";
 }
 
 }  // namespace
@@ -37,9 +42,8 @@ Manifest manifest_before(const Manifest& part) {
 }
 
 Result<void> append_manifest(Manifest& whole, Manifest part) {
-  if (const char* what = difference(whole, part)) {
-    return fail(ErrorCode::argument, fmt::format("the two reels have different {}", what));
-  }
+  if (const std::string what = difference(whole, part); !what.empty())
+    return fail(ErrorCode::argument, "the two reels have different " + what);
   if (part.segments.empty()) return {};
   if (whole.segments.empty()) {
     whole.depth_min = part.depth_min;

@@ -93,10 +93,14 @@ int run_join_packages(JoinArguments arguments) {
   return kExitOk;
 }
 
-void add_output_folder(cli::Command command, const char* names, std::filesystem::path& output,
-                       bool& force) {
-  command.add_option(names, output, "the folder of the new package").required().type_name("REEL");
-  command.add_flag("--force", force, "replace a package that is already there");
+/// `options`: CutOptions or JoinOptions.
+template <class Options>
+void add_new_package(cli::Command command, const char* names, Options& options) {
+  command.add_option(names, options.output, "the folder of the new package")
+      .required()
+      .type_name("REEL");
+  command.add_flag("--force", options.force, "replace a package that is already there");
+  command.add_option("--name", options.name, "a display name (default: that of the folder)");
 }
 
 void add_cut_command(cli::Command app, int& exit_code) {
@@ -108,7 +112,7 @@ void add_cut_command(cli::Command app, int& exit_code) {
   command.add_option("-i,--input,INPUT", a->reel, "the folder or the address of the package")
       .required()
       .type_name("REEL");
-  add_output_folder(command, "-o,--output,OUTPUT", a->options.output, a->options.force);
+  add_new_package(command, "-o,--output,OUTPUT", a->options);
   const cli::Option from =
       command
           .add_option("--from", a->from,
@@ -153,7 +157,7 @@ void add_join_command(cli::Command app, int& exit_code) {
                   "shown")
       .required()
       .type_name("");
-  add_output_folder(command, "-o,--output", a->options.output, a->options.force);
+  add_new_package(command, "-o,--output", a->options);
   a->access.add_to(command);
   command.callback([a, &exit_code] { exit_code = run_join_packages(*a); });
 }

@@ -25,6 +25,7 @@
 #include "server/commands/report_upload.h"
 #include "server/commands/store_options.h"
 #include "server/pack/packer.h"
+#include "server/pack/video_trial.h"
 #include "server/store/upload.h"
 
 namespace pointreel {
@@ -176,6 +177,10 @@ void print_summary(const std::string& package, const PackOptions& options,
         summary.entropy, span_text(summary.depth_min, summary.depth_max));
   if (summary.trial)
     for (const std::string& line : trial_lines(*summary.trial)) print("{}\n", line);
+  if (options.video_if_it_pays && !summary.trial && summary.frames < kFewestVideoFrames &&
+      summary.points >= kFewestVideoPoints * summary.frames)
+    print("  video           not tried with fewer than {} frames (--codec video)\n",
+          kFewestVideoFrames);
   if (summary.normals_estimated)
     print("  normals         estimated, since the source has none (--normals overrides)\n");
   if (!summary.video)

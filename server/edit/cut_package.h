@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <stop_token>
+#include <string>
 
 #include "pointreel/error.h"
 #include "pointreel/package.h"
@@ -22,7 +23,8 @@ struct CutOptions {
   std::optional<CutRange> frames = {};  ///< which to keep; absent: those of the times
   /// Which to keep: all that are shown from one time of the reel, up to but not at another.
   std::uint64_t from_us = 0, to_us = UINT64_MAX;
-  bool force = false;  ///< replace a package
+  bool force = false;     ///< replace a package
+  std::string name = {};  ///< of the new package; empty: that of its folder
 };
 
 struct CutReport {

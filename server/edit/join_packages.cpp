@@ -37,8 +37,9 @@ Result<void> check_alike(const Manifest& whole, const Manifest& next) {
   }
   // What has no points has no attributes.
   if (whole.bounds.empty() || next.bounds.empty()) return {};
-  for (const auto& [what, here, there] : {std::tuple("colours", whole.colors, next.colors),
-                                          std::tuple("normals", whole.normals, next.normals)}) {
+  for (const auto& [what, here, there] :
+       {std::tuple("colours", whole.colors, next.colors),
+        std::tuple("normals (pack --normals estimate adds them)", whole.normals, next.normals)}) {
     if (here != there) {
       return fail(ErrorCode::argument, fmt::format("only {} of the two reels has {}",
                                                    here ? "the first" : "the second", what));
@@ -113,6 +114,7 @@ Result<std::optional<AudioFile>> join_sound(const JoinOptions& options,
 Result<JoinedPackages> join_packages(const JoinOptions& options, const std::stop_token& stop) {
   Whole whole = TRY(read_all(options));
   Manifest& manifest = whole.manifest;
+  manifest.name = options.name.empty() ? default_reel_name(options.output) : options.name;
   OutputFolder folder = TRY(OutputFolder::create(
       options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));
   std::size_t segment = 0;

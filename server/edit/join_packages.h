@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 #include "pointreel/error.h"
@@ -16,7 +17,8 @@ namespace pointreel {
 struct JoinOptions {
   std::vector<PackageFiles> inputs;  ///< at least one, in the order in which they are shown
   std::filesystem::path output;
-  bool force = false;  ///< replace a package
+  bool force = false;     ///< replace a package
+  std::string name = {};  ///< of the new package; empty: that of its folder
 };
 
 struct JoinedPackages {

@@ -16,6 +16,7 @@
 #include "codec/files/glb_write.h"
 #include "codec/files/recording_writer.h"
 #include "codec/package/manifest.h"
+#include "codec/surface/normals.h"
 #include "common/base/natural_order.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
@@ -139,7 +140,10 @@ class Unpacking {
   Result<PointCloud> decode(std::uint32_t frame) const {
     if (manifest_.group_frames > 0 && options_.layers > 1) {
       auto cloud = decoder_.decode_video(options_.input, manifest_, frame, options_.voxels);
-      return cloud ? std::move(cloud) : fail_at(place(frame), cloud.error());
+      if (!cloud) return fail_at(place(frame), cloud.error());
+      // Points beside the pictures have none.
+      if (cloud->has_normals()) complete_normals(*cloud, executor_);
+      return cloud;
     }
     const auto layers = TRY(read_frame(options_.input, manifest_, frame, options_.layers));
     Result<DecodedFrame> decoded = decoder_.decode(layer_views(layers));

@@ -20,9 +20,6 @@
 namespace pointreel {
 namespace {
 
-/// What shorter sequences and sparser frames would save is not worth the trial, and the time that
-/// video takes.
-constexpr std::size_t kFewestFrames = 16, kFewestPoints = 200'000;
 /// More points than the pixels of all views show no more, and several such frames are held.
 constexpr std::size_t kMostPoints = 8'000'000;
 /// One frame in so many is tried. Each takes about as long as five frames of octrees.
@@ -99,7 +96,7 @@ Result<std::optional<VideoTrial>> compare(SegmentInput& input, const PackOptions
 Result<std::optional<VideoTrial>> try_video(std::span<const CloudFrame> frames,
                                             const PackOptions& options,
                                             const std::stop_token& stop) {
-  if (frames.size() < kFewestFrames) return std::nullopt;
+  if (frames.size() < kFewestVideoFrames) return std::nullopt;
   const std::size_t count =
       std::clamp(frames.size() / kTriedOneIn, kFewestTriedFrames, kMostTriedFrames);
   const SourceFrames sources(frames, options);
@@ -107,7 +104,7 @@ Result<std::optional<VideoTrial>> try_video(std::span<const CloudFrame> frames,
   {
     const SegmentInput::Cloud first = TRY(input.look(0));
     const std::size_t points = first->cloud.size();
-    if (points < kFewestPoints || points > kMostPoints) return std::nullopt;
+    if (points < kFewestVideoPoints || points > kMostPoints) return std::nullopt;
   }
   return compare(input, options, stop);
 }

@@ -18,6 +18,10 @@ namespace pointreel {
 
 struct PackedSegment;
 
+/// What shorter sequences and sparser frames would save is not worth the trial, and the time that
+/// video takes.
+inline constexpr std::size_t kFewestVideoFrames = 16, kFewestVideoPoints = 200'000;
+
 /// Some neighbouring frames packed both as video and as octrees with voxels about twice as large as
 /// the pixels of the video, and with colours that are no better.
 struct VideoTrial {

@@ -1,5 +1,6 @@
 // Layered depth video by the real programs: packed, verified, unpacked, cut, joined and drawn.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -99,6 +100,9 @@ TEST_F(Video, is_verified_unpacked_cut_and_joined) {
     const CloudDistance error = cloud_distance(ball(frame), unpacked("out", frame)).value();
     EXPECT_LT(std::sqrt(error.d1()), 1.0) << frame;
     EXPECT_GT(color_psnr(*error.colors()).x, 26.0) << frame;
+    EXPECT_TRUE(std::ranges::none_of(unpacked("out", frame).normals, [](const glm::vec3& normal) {
+      return normal == glm::vec3(0.0f);
+    })) << frame;
   }
   const Outcome voxels =
       server({"unpack", "-i", path("reel"), "-o", path("voxels"), "--frames", "4", "--voxels"});
@@ -114,8 +118,11 @@ TEST_F(Video, is_verified_unpacked_cut_and_joined) {
 
   ASSERT_EQ(server({"cut", path("reel"), "-o", path("first"), "--frames", "0-7"}).exit_code, 0);
   ASSERT_EQ(server({"cut", path("reel"), "-o", path("second"), "--frames", "8-9"}).exit_code, 0);
-  const Outcome joined = server({"join", path("first"), path("second"), "-o", path("joined")});
+  const Outcome joined = server(
+      {"join", path("first"), path("second"), "-o", path("joined"), "--name", "a whole ball"});
   ASSERT_EQ(joined.exit_code, 0) << joined.err;
+  EXPECT_EQ(read_manifest(path("first"))->name, "first");
+  EXPECT_EQ(read_manifest(path("joined"))->name, "a whole ball");
   EXPECT_EQ(server({"verify", path("joined")}).exit_code, 0);
 
   // A cut within a group keeps what is needed to decode it, and does not show it.

@@ -30,8 +30,10 @@ namespace pointreel::audio_package_test {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::StartsWith;
 
 constexpr std::uint64_t kTenSeconds = 10'000'000;
@@ -289,6 +291,11 @@ TEST_F(AudioPackage, is_unpacked_with_its_sound) {
   ASSERT_TRUE(unpack(options));
   EXPECT_EQ(read_text(folder() / "out" / "audio.opus"), read_text(reel() / manifest().audio->path));
   EXPECT_TRUE(unpack(options)) << "a folder of unpacked frames may have sound";
+  PackOptions again = pack_options(folder() / "out", folder() / "again");
+  EXPECT_THAT(pack(again)->warnings, Contains(HasSubstr("audio.opus: is left out; --audio packs")));
+  again.audio = folder() / "out" / "audio.opus";
+  again.force = true;
+  EXPECT_THAT(pack(again)->warnings, Not(Contains(HasSubstr("audio.opus"))));
 }
 
 TEST_F(AudioPackage, is_faulty_if_its_sound_is_a_pipe) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -186,12 +187,14 @@ TEST_F(Edit, a_cut_links_whole_segments) {
   EXPECT_EQ(segments_of(at("cut")), part(segments_of(reel), 3, 12));
   EXPECT_EQ(frames_of(at("cut")), part(frames_of(reel), 3, 12));
 
-  const Manifest whole = read_manifest(reel).value(), kept = read_manifest(at("cut")).value();
+  const Manifest whole = read_manifest(reel).value();
+  Manifest kept = read_manifest(at("cut")).value();
   EXPECT_EQ(kept.frame_count(), 9u);
   for (std::uint32_t i = 0; i < 9; ++i)
     EXPECT_EQ(frame_time_us(kept, i), frame_time_us(whole, i + 3) - frame_time_us(whole, 3));
   EXPECT_EQ(kept.duration_us, frame_time_us(whole, 12) - frame_time_us(whole, 3));
   EXPECT_FALSE(kept.captured_us);
+  EXPECT_EQ(std::exchange(kept.name, whole.name), "cut");
   EXPECT_EQ(static_cast<const ReelHead&>(kept), whole);
   EXPECT_EQ(kept.segments[1].layers[0].path.substr(0, 14), "00000003.base.");
   std::uint64_t bytes = 0;
@@ -275,20 +278,24 @@ TEST_F(Edit, packages_that_do_not_go_together_are_refused_in_one_line) {
     EXPECT_EQ(line.substr(0, before.size()), before) << line;
     return line.substr(std::min(before.size(), line.size()));
   };
-  EXPECT_EQ(refusal(draco_options()), "the two reels have different codecs");
+  EXPECT_EQ(refusal(draco_options()),
+            "the two reels have different codecs, octree and draco (pack --codec sets it)");
   PackOptions other = layered_options();
   other.fps = 25.0;
   EXPECT_EQ(refusal(other),
             "the two reels have different frame rates, 30 and 25 (pack --fps sets it)");
   other = layered_options();
   other.encode.codec = OctreeOptions{Entropy::zstd, DepthRule::fixed(10)};
-  EXPECT_EQ(refusal(other), "the two reels have different entropy coders");
+  EXPECT_EQ(
+      refusal(other),
+      "the two reels have different entropy coders, context and zstd (pack --entropy sets it)");
   other = layered_options();
   std::get<OctreeOptions>(other.encode.codec).depth = DepthRule::fixed(8);
   EXPECT_EQ(refusal(other), "the two reels have different layers");
   other = layered_options();
   other.up = 'z';
-  EXPECT_EQ(refusal(other), "the two reels have different axes that point up");
+  EXPECT_EQ(refusal(other),
+            "the two reels have different axes that point up, y and z (pack --up sets it)");
   other = layered_options();
   other.encode.colors = false;
   EXPECT_EQ(refusal(other), "only the first of the two reels has colours");

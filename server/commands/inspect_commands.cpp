@@ -148,7 +148,7 @@ void print_info(const Manifest& manifest, const Totals& totals) {
   }
   print("  codec   {}{}{}, depth {}\n", manifest.codec, manifest.entropy.empty() ? "" : " ",
         manifest.entropy, span_text(manifest.depth_min, manifest.depth_max));
-  print("  points  {} ({} per frame), colors {}, normals {}\n", totals.points,
+  print("  points  {} in the source ({} per frame), colors {}, normals {}\n", totals.points,
         span_text(totals.fewest, totals.most), manifest.colors ? "yes" : "no",
         !manifest.normals            ? "no"
         : manifest.normals_estimated ? "estimated"

@@ -340,7 +340,7 @@ export class PointreelPlayer extends HTMLElement implements Declared {
     else this.tell("pause");
   }
   get frame(): number { return this.player.frame; }
-  get frames(): number { return this.player.reel?.reel.frames ?? 0; }
+  get frames(): number { return this.player.reel?.reel.shownFrames ?? 0; }
 }
 
 if (!customElements.get("pointreel-player")) customElements.define("pointreel-player", PointreelPlayer);

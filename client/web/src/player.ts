@@ -269,8 +269,11 @@ export class Player {
   /** Seconds; NaN before a reel is open, Infinity for live streams. */
   get duration(): number { return this.reel ? this.reel.reel.durationUs / 1e6 : this.isLive ? Infinity : NaN; }
   get speed(): number { return this.reel?.clock.state().speed ?? 1; }
-  /** The number of the frame that is shown; -1 before the first. */
-  get frame(): number { return this.reel?.shown?.frame ?? this.live[0]?.shown?.frame ?? -1; }
+  /** The number of the frame that is shown, from 0; -1 before the first. */
+  get frame(): number {
+    const shown = this.reel?.shown;
+    return shown ? this.reel!.reel.place(shown.frame) - 1 : this.live[0]?.shown?.frame ?? -1;
+  }
   setSpeed(speed: number): void { this.withReel((reel) => reel.clock.setSpeed(speed), "ratechange"); }
   setLoop(loop: boolean): void {
     this.wantsLoop = loop;

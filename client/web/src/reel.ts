@@ -64,6 +64,10 @@ export class Reel {
   readonly groupFrames: number;
   readonly normalsEstimated: boolean;
   readonly timesUs: Float64Array;
+  /** Frames that are shown: in a cut of video, others only serve to decode these. */
+  readonly shownFrames: number;
+  /** Of these, how many there are up to each frame, itself included. */
+  private readonly shownTo: Uint32Array;
   private readonly files = new Map<number, string>();
   private readonly groups = new Map<number, { first: number; frames: number }>();
 
@@ -83,6 +87,13 @@ export class Reel {
     this.groupFrames = i[26]!;
     this.normalsEstimated = i[27] !== 0;
     this.timesUs = module.doubles(module.call("pr_reel_times", handle), this.frames);
+    this.shownTo = new Uint32Array(this.frames);
+    let shown = 0;
+    for (let i = 0; i < this.frames; ++i) {
+      if (this.groupFrames === 0 || (this.timesUs[i + 1] ?? this.durationUs) > this.timesUs[i]!) ++shown;
+      this.shownTo[i] = shown;
+    }
+    this.shownFrames = shown;
   }
   static read(module: Module, manifest: Uint8Array): Reel {
     const [text] = module.put(manifest);
@@ -90,6 +101,8 @@ export class Reel {
   }
   free(): void { this.module.call("pr_reel_free", this.handle); }
 
+  /** The number of a frame among those that are shown, from 1. */
+  place(frame: number): number { return Math.max(1, this.shownTo[frame] ?? 1); }
   text(which: keyof typeof TEXT, index = 0): string { return textOf(this.module, this.handle, which, index); }
   segment(frame: number): Segment {
     const s = this.module.doubles(this.module.call("pr_reel_segment", this.handle, frame), 7);

@@ -42,6 +42,19 @@ test("a reel of video plays, and a seek shows exactly that frame", async () => {
   await close();
 });
 
+test("frames that only serve to decode others are not counted", async () => {
+  const cut = join(folder, "cut");
+  execFileSync(join(build, "bin/pointreel-server"), ["cut", reel, cut, "--frames", "6-9"], { stdio: "ignore" });
+  const cutServer = await serve(page, [cut]);
+  const { tab, close } = await openTab(browser, `http://127.0.0.1:${cutServer.port}/cut#t=0`);
+  await settled(tab);
+  assert.equal(await ask(tab, "player.player.reel.reel.frames"), 10, "which begin with those of the group");
+  assert.deepEqual(await ask(tab, "[player.frame, player.frames]"), [0, 4]);
+  assert.match(await ask(tab, "root.querySelector('.frame').textContent"), /^frame 1 \/ 4/);
+  await close();
+  cutServer.server.close();
+});
+
 test("where pictures come too slowly frames are made coarser until it rests, or until there is time again", async () => {
   const { tab, close } = await openTab(browser, `http://127.0.0.1:${port}/video#t=0`);
   await settled(tab);

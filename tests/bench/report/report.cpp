@@ -286,7 +286,7 @@ void add_report_command(cli::Command app, int& exit_code) {
   command.add_option("-o,--output", options->folder, "the folder to write to; created if missing")
       .type_name("DIR")
       .capture_default_str();
-  command.add_flag("--quick", options->quick, "few poses, settings and runs; takes a minute");
+  command.add_flag("--quick", options->quick, "few poses, settings and runs; takes two minutes");
   command.callback([options, &exit_code] {
     const auto written = write_report(options->folder, options->quick);
     if (written) return;

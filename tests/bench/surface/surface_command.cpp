@@ -201,7 +201,7 @@ void add_surface_command(cli::Command app, int& exit_code) {
   command.add_option("-o,--output", options->folder, "the folder to write to; created if missing")
       .type_name("DIR")
       .capture_default_str();
-  command.add_flag("--quick", options->quick, "two frames and few settings; takes a minute");
+  command.add_flag("--quick", options->quick, "two frames and few settings; takes a few minutes");
   command.callback([options, &exit_code] {
     const auto written = write_surface_report(options->folder, options->quick);
     if (written) return;

@@ -14,9 +14,10 @@ using namespace std::chrono_literals;
 
 /// Between two attempts to connect. A server that is available again is found within this time.
 constexpr auto kPause = 300ms;
-/// The same after a connection over which nothing was accepted, such as one for a name that is
-/// taken.
-constexpr auto kPauseAfterRefusal = 2000ms;
+/// The same after several connections over which nothing was accepted, such as those for a name
+/// that is taken.
+constexpr auto kLongPause = 2000ms;
+constexpr int kSoonAgain = 3;
 /// Links over satellites have round trips of a second, of which TLS takes four.
 constexpr auto kConnectTimeout = 10'000ms;
 /// If a server's machine disappears, its connection is given up after this time. Until then it
@@ -126,14 +127,14 @@ void Outbox::run(const std::stop_token& stop) {
   socket_options.max_waiting = kMaxWaiting;
   socket_options.confirm = true;
   socket_options.stop = stop;
+  int in_vain = 0;  // connections, one after another, over which nothing was accepted
   while (!stop.stop_requested()) {
-    auto pause = kPause;
     const auto socket = WebSocket::connect(options_.url, socket_options);
     if (socket) {
       restart();
       const std::uint64_t accepted = statistics().accepted_layers;
       serve(**socket, stop);
-      if (statistics().accepted_layers == accepted) pause = kPauseAfterRefusal;
+      in_vain = statistics().accepted_layers == accepted ? in_vain + 1 : 0;
     } else if (!stop.stop_requested()) {
       if (is_final(socket.error().code)) {
         const std::lock_guard lock(mutex_);
@@ -144,7 +145,7 @@ void Outbox::run(const std::stop_token& stop) {
       tell(socket.error().message);
     }
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, stop, pause, [] { return false; });
+    changed_.wait_for(lock, stop, in_vain > kSoonAgain ? kLongPause : kPause, [] { return false; });
   }
 }
 

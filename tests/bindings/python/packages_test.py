@@ -35,10 +35,12 @@ class Packages(TemporaryFolder):
         np.testing.assert_array_equal(pictures[0], pictures[1])
         self.assertTrue((pictures[0] != pictures[2]).any())
         with self.assertWarnsRegex(UserWarning, "-z points up in the frames, and y in what is writ"):
-            pointreel.pack([frame, frame], self.folder / "list")
+            pointreel.pack((frame for _ in range(2)), self.folder / "list")
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            pointreel.pack([frame], self.folder / "list", up="-z", replace=True)
+            pointreel.pack([frame], self.folder / "list", replace=True)
+            pointreel.pack(iter([frame]), self.folder / "list", up="-z", replace=True)
+        self.assertEqual(pointreel.open(self.folder / "list").up, "-z")
 
     def test_one_frame_is_no_list_of_frames(self):
         points = pointreel.Points(*ball())
@@ -340,7 +342,7 @@ class Times(TemporaryFolder):
             pointreel.pack(frames, path)
             packed = pointreel.open(path)
             is_list = isinstance(frames, list)
-            self.assertEqual((packed.fps, packed.up), (30.0, "y") if is_list else (10.0, "z"))
+            self.assertEqual((packed.fps, packed.up), (30.0 if is_list else 10.0, "z"))
             if not is_list:
                 np.testing.assert_allclose(packed.times, times)
         pointreel.pack(reel[::-1], self.folder / "backward", fps=5, up="x")

@@ -141,6 +141,13 @@ class _Axis:
                   f"up={frame.up!r} keeps it")
 
 
+def _up_of(frames: Any) -> Optional[str]:
+    """The axis that points up in a reel, in a part of it, or in a list of its frames, if known."""
+    if isinstance(frames, (list, tuple)):
+        frames = next((frame for frame in frames if isinstance(frame, Frame)), None)
+    return getattr(frames, "up", None)
+
+
 def _index(index: Any, count: int) -> int:
     """Of one of so many frames, from the end if it is negative."""
     try:
@@ -510,7 +517,7 @@ def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: Opti
     frames: for each frame its positions, (positions, colors), (positions, colors, normals),
     `Points`, a dict with the same names, a `Frame`, or anything with points, colors and normals, as
     Open3D's PointCloud. They may come from a generator: only a segment of them is held. Of a reel, a
-    part of it, or `clean` of these, times, `fps` and `up` are kept; a list of its frames has none.
+    part of it, or `clean` of these, times, `fps` and `up` are kept; of a list of its frames, `up`.
     fps: by default that of the reel, or 30. up: the axis that points up, by default that of the
     reel, or y.
 
@@ -535,7 +542,7 @@ def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: Opti
         raise TypeError(f"frames is a list of frames, not {type(frames).__name__}; "
                         "pack([frame], path) packs one, pack(open(file), path) files")
     fps = getattr(frames, "fps", 30.0) if fps is None else fps
-    axis = _Axis(getattr(frames, "up", None) if up is None else up)
+    axis = _Axis(_up_of(frames) if up is None else up)
     up = axis.up
     _check_texts(name=name, up=up, cube=cube, normals=normals)
     _check_numbers(fps=fps)

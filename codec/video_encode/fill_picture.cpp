@@ -205,7 +205,8 @@ void continue_patches(const VideoGroup& group, float jump, Plane& plane) {
   }
 }
 
-void fill_patches(const VideoGroup& group, int divisor, const Plane* background, Plane& plane) {
+void fill_patches(const VideoGroup& group, int divisor, const Plane* background, const Plane* next,
+                  Plane& plane) {
   constexpr float kBackground = 0.02f;
   for (const Patch& patch : group.patches) {
     const Area area = area_of(patch, divisor);
@@ -213,8 +214,11 @@ void fill_patches(const VideoGroup& group, int divisor, const Plane* background,
     for (int y = area.top; y < area.bottom; ++y) {
       for (int x = area.left; x < area.right; ++x) {
         const std::size_t from = plane.at(x, y), to = levels[0].at(x - area.left, y - area.top);
-        if (plane.known[from] != 0) {
-          levels[0].values[to] = plane.values[from];
+        const Plane* const known = plane.known[from] != 0                      ? &plane
+                                   : next != nullptr && next->known[from] != 0 ? next
+                                                                               : nullptr;
+        if (known != nullptr) {
+          levels[0].values[to] = known->values[from];
           levels[0].weights[to] = 1.0f;
         } else if (background != nullptr) {
           levels[0].values[to] = background->values[from];

@@ -31,8 +31,10 @@ void continue_patches(const VideoGroup& group, float jump, Plane& plane);
 
 /// Fills what is not known in the patches so that it costs few bits: from coarser and coarser means
 /// of what is known around it (Pfister et al., section 7, "Image Reconstruction": pull and push).
-/// `background`: what is taken, with little weight, where it is known; null for nothing. Patches
-/// are smaller by `divisor` in this plane.
-void fill_patches(const VideoGroup& group, int divisor, const Plane* background, Plane& plane);
+/// `background`: what is taken, with little weight; null for nothing. `next`: the plane of the next
+/// frame, or null; what is known only there is taken as it is, so that what appears has been coded
+/// before it is seen. Patches are smaller by `divisor` in this plane.
+void fill_patches(const VideoGroup& group, int divisor, const Plane* background, const Plane* next,
+                  Plane& plane);
 
 }  // namespace pointreel

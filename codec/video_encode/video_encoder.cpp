@@ -53,7 +53,7 @@ class Background {
       sum_.values[p] /= static_cast<float>(count_[p]);
       sum_.known[p] = 1;
     }
-    fill_patches(group, divisor, nullptr, sum_);
+    fill_patches(group, divisor, nullptr, nullptr, sum_);
     return std::move(sum_);
   }
 
@@ -196,7 +196,10 @@ class GroupEncoder {
     for (const Plane& plane : planes) sum.add(plane);
     const Plane background = std::move(sum).filled(group_, divisor);
     for_each(options_.executor, static_cast<int>(planes.size()), [&](int i) {
-      fill_patches(group_, divisor, &background, planes[static_cast<std::size_t>(i)]);
+      const auto frame = static_cast<std::size_t>(i);
+      // Only what is not known of a plane changes.
+      const Plane* const next = frame + 1 < planes.size() ? &planes[frame + 1] : nullptr;
+      fill_patches(group_, divisor, &background, next, planes[frame]);
     });
   }
 

@@ -149,7 +149,8 @@ void add_join_command(cli::Command app, int& exit_code) {
       "Make one package of several, such as recordings of one stream, without encoding anything "
       "again\n"
       "Each begins when the one before it is over. They must have the same codec, entropy coder, "
-      "layers, frame rate, up axis, colours, normals and scalar fields. Sound is joined, too. "
+      "layers, up axis, colours, normals and scalar fields, and about the same frame rate. Sound "
+      "is joined, too. "
       "(pack join is for parts of a plan.)");
   command
       .add_option("INPUTS", a->reels,

@@ -1,6 +1,7 @@
 #include "server/edit/join_packages.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -20,6 +21,9 @@
 namespace pointreel {
 namespace {
 
+/// Nominal frame rates differ by at most this share.
+constexpr double kMostRatesDiffer = 0.1;
+
 bool same_fields(const Manifest& a, const Manifest& b) {
   return std::is_permutation(
       a.scalars.begin(), a.scalars.end(), b.scalars.begin(), b.scalars.end(),
@@ -31,9 +35,10 @@ Result<void> check_alike(const Manifest& whole, const Manifest& next) {
   const auto differ = [](std::string what) {
     return fail(ErrorCode::argument, "the two reels have different " + std::move(what));
   };
-  if (whole.fps != next.fps) {
-    return differ(fmt::format("frame rates, {} and {} (pack --fps sets it)", number_text(whole.fps),
-                              number_text(next.fps)));
+  // That of recordings is the median of times, which differs a little from one to the next.
+  if (std::abs(whole.fps - next.fps) > kMostRatesDiffer * std::max(whole.fps, next.fps)) {
+    return differ(fmt::format("frame rates, {} and {} (pack --fps spaces frames evenly)",
+                              number_text(whole.fps), number_text(next.fps)));
   }
   // What has no points has no attributes.
   if (whole.bounds.empty() || next.bounds.empty()) return {};

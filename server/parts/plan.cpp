@@ -116,10 +116,11 @@ ordered_json plan_json(const fs::path& path) {
   return json;
 }
 
-/// Makes the empty folder of the plan.
-Result<void> make_folder(const fs::path& folder, bool force) {
+/// The folder of the plan, which is complete or absent.
+Result<OutputFolder> plan_folder(const fs::path& folder, bool force) {
   std::error_code error;
-  if (fs::exists(folder, error)) {
+  if (fs::exists(folder, error) &&
+      !(fs::is_directory(folder, error) && fs::is_empty(folder, error))) {
     if (plan_json(folder / kPlanName).is_null()) {
       return fail(ErrorCode::argument,
                   fmt::format("{}: exists, and is not the folder of a plan; remove it first",
@@ -133,11 +134,8 @@ Result<void> make_folder(const fs::path& folder, bool force) {
     }
     fs::remove_all(folder, error);
   }
-  if (!error) fs::create_directories(folder, error);
-  if (error) {
-    return fail(ErrorCode::io, fmt::format("{}: {}", folder.string(), error.message()));
-  }
-  return {};
+  if (error) return fail(ErrorCode::io, fmt::format("{}: {}", folder.string(), error.message()));
+  return OutputFolder::create(folder);
 }
 
 Result<std::vector<PlannedFrame>> planned(const std::vector<CloudFrame>& frames) {
@@ -234,47 +232,41 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
     if (error) return fail(ErrorCode::io, error.message());
   }
   TRY(check_output(options));
-  const fs::path folder = parts_folder(options.output);
-  TRY(make_folder(folder, options.force));
+  OutputFolder folder = TRY(plan_folder(parts_folder(options.output), options.force));
   MadePlan made{static_cast<std::uint32_t>(frames.size()),
                 plan.segments(),
                 {},
                 std::move(sequence.warnings),
                 std::move(sequence.guesses),
                 {}};
-  const auto complete = [&]() -> Result<void> {
-    options.encode.executor = stoppable(tbb_executor(), stop, kInterrupted);
-    made.trial = TRY(in_arena(options.threads, [&] {
-      choose_cleaning(frames, options);
-      return choose_video(frames, options, stop);
-    }));
-    plan.noisy = cleaning_choice(options);
-    if (made.trial) {
-      const Codec codec = options.video ? Codec::video : Codec::octree;
-      plan.arguments.push_back(fmt::format("--codec={}", name(codec)));
-      plan.segment_frames = options.segment_frames;
-      made.segments = plan.segments();
-    }
-    if (options.train) {
-      const PackageTables tables = TRY(in_arena(
-          options.threads, [&] { return learn_package_tables(frames, options, folder, stop); }));
-      made.learnt = tables.learnt;
-      plan.tables = tables.file;
-    }
-    std::string text;
-    try {
-      text = to_text(plan);
-    } catch (const ordered_json::exception&) {
-      return fail(ErrorCode::argument,
-                  "the name of an input file is not UTF-8, and a plan cannot hold it; rename it");
-    }
-    return write_file(folder / kPlanName, text);
-  };
-  if (const Result<void> done = complete(); !done) {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-    return tl::unexpected(done.error());
+  options.encode.executor = stoppable(tbb_executor(), stop, kInterrupted);
+  made.trial = TRY(in_arena(options.threads, [&] {
+    choose_cleaning(frames, options);
+    return choose_video(frames, options, stop);
+  }));
+  plan.noisy = cleaning_choice(options);
+  if (made.trial) {
+    const Codec codec = options.video ? Codec::video : Codec::octree;
+    plan.arguments.push_back(fmt::format("--codec={}", name(codec)));
+    plan.segment_frames = options.segment_frames;
+    made.segments = plan.segments();
   }
+  if (options.train) {
+    const PackageTables tables = TRY(in_arena(options.threads, [&] {
+      return learn_package_tables(frames, options, folder.path(), stop);
+    }));
+    made.learnt = tables.learnt;
+    plan.tables = tables.file;
+  }
+  std::string text;
+  try {
+    text = to_text(plan);
+  } catch (const ordered_json::exception&) {
+    return fail(ErrorCode::argument,
+                "the name of an input file is not UTF-8, and a plan cannot hold it; rename it");
+  }
+  TRY(write_file(folder.path() / kPlanName, text));
+  TRY(folder.publish());
   return made;
 }
 

@@ -253,7 +253,8 @@ Result<UploadSummary> Uploader::upload(const fs::path& package, const UploadList
   for (bool first = true;; first = false) {
     const ManifestText now = TRY(read_manifest_text(package));
     summary.growing = now.manifest.live.has_value();
-    if (now.text != there_) {
+    // With --force, what is there under the same manifest is compared, and mended.
+    if (now.text != there_ || (first && options_.force)) {
       if (first && !there_.empty() && !options_.force) TRY(may_replace(now.manifest));
       std::vector<const PackageFile*> files = now.manifest.files();
       std::erase_if(files, [&](const PackageFile* file) { return done.contains(file->path); });

@@ -268,6 +268,16 @@ TEST_F(Edit, a_part_that_is_not_there_is_refused_and_nothing_is_written) {
   EXPECT_EQ(contents(at("cut")).size(), 1u);
 }
 
+TEST_F(Edit, frame_rates_that_times_of_recordings_gave_need_not_be_equal) {
+  PackOptions jitters = layered_options();
+  jitters.fps = 30.0219;
+  pack_as("first", layered_options());
+  pack_as("second", jitters);
+  const auto joined = join({"first", "second"}, "joined");
+  ASSERT_TRUE(joined) << joined.error().message;
+  EXPECT_EQ(read_manifest(at("joined"))->fps, 30.0);
+}
+
 TEST_F(Edit, packages_that_do_not_go_together_are_refused_in_one_line) {
   const fs::path reel = pack_as("reel", layered_options());
   const std::string before = at("other").string() + ": cannot follow " + reel.string() + ": ";
@@ -282,8 +292,9 @@ TEST_F(Edit, packages_that_do_not_go_together_are_refused_in_one_line) {
             "the two reels have different codecs, octree and draco (pack --codec sets it)");
   PackOptions other = layered_options();
   other.fps = 25.0;
-  EXPECT_EQ(refusal(other),
-            "the two reels have different frame rates, 30 and 25 (pack --fps sets it)");
+  EXPECT_EQ(
+      refusal(other),
+      "the two reels have different frame rates, 30 and 25 (pack --fps spaces frames evenly)");
   other = layered_options();
   other.encode.codec = OctreeOptions{Entropy::zstd, DepthRule::fixed(10)};
   EXPECT_EQ(

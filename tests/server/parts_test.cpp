@@ -358,6 +358,11 @@ TEST_F(Parts, need_a_plan_that_fits) {
   make(force);
   EXPECT_THAT(join_error(), HasSubstr("7 of 7"));
 
+  // A program that was killed may have left it.
+  fs::remove_all(folder());
+  fs::create_directory(folder());
+  make(options());
+
   std::ofstream(folder() / "plan.json") << R"({"my": "plan"})";
   std::ofstream(folder() / "thesis.txt") << "precious";
   EXPECT_THAT(make_plan(force, {}).error().message, HasSubstr("is not the folder of a plan"));

@@ -122,6 +122,19 @@ TEST_F(Upload, goes_on_where_it_was_interrupted) {
   EXPECT_EQ(store.objects().size(), 3u);
 }
 
+TEST_F(Upload, mends_what_lies_under_the_same_manifest_if_forced) {
+  FakeStore store;
+  ASSERT_TRUE(upload(options(store.url())));
+  store.remove("/reels/a%20walk/0.full.prs");
+  UploadOptions force = options(store.url());
+  force.force = true;
+  const auto mended = upload(force);
+  ASSERT_TRUE(mended) << mended.error().message;
+  EXPECT_EQ(mended->files, 2u) << "and the manifest";
+  EXPECT_EQ(mended->kept, 1u);
+  EXPECT_EQ(store.objects().size(), 3u);
+}
+
 TEST_F(Upload, names_what_is_there_and_is_no_reel) {
   const FakeStore store([](int socket, const std::string& head) {
     if (!head.starts_with("GET ")) return false;

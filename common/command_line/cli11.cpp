@@ -8,6 +8,7 @@
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -304,19 +305,38 @@ Option Command::add_flag_callback(const std::string& names, const std::function<
 namespace {
 
 /// CLI11 takes a "#" in quotes for a comment, and a list for ended at the end of a line that begins
-/// it. It gets lines without comments, and each list as one line.
+/// it; of tables of one name it makes one, and of a text without an end some other text. It gets
+/// lines without comments, each list as one line, and none of the others.
 class ConfigFile : public CLI::ConfigTOML {
  public:
   ConfigFile() { commentChar = '\0'; }
 
   std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
+    std::string text(kMostBytes + 1, '\0');
+    in.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(in.gcount()));
+    if (text.size() > kMostBytes)
+      throw CLI::ConfigError("--config: has more than a mebibyte, which no configuration takes");
+    std::istringstream lines(text);
     std::stringstream plain;
     std::string item;
+    std::set<std::string> tables;
     int number = 0, begin = 0;
-    for (std::string line; std::getline(in, line);) {
+    for (std::string line; std::getline(lines, line);) {
       ++number;
       if (item.empty()) begin = number;
-      item += line.substr(0, find_outside_quotes(line, '#'));
+      const Found comment = find_outside_quotes(line, '#');
+      if (comment.at == std::string::npos && comment.in_quotes)
+        throw CLI::ConfigError(
+            fmt::format("--config: line {}: a quotation mark has no other one", number));
+      line.resize(std::min(line.size(), comment.at));
+      line.erase(line.find_last_not_of(" \t\r") + 1);
+      if (item.empty() && line.starts_with('[') && !tables.insert(line).second)
+        throw CLI::ConfigError(
+            fmt::format("--config: line {}: there is a {} above already; put "
+                        "all of it below that one",
+                        number, line));
+      item += line;
       if (is_open_list(item)) {
         item += ' ';
         continue;
@@ -331,12 +351,18 @@ class ConfigFile : public CLI::ConfigTOML {
   }
 
  private:
+  static constexpr std::size_t kMostBytes = std::size_t{1} << 20;
+
+  struct Found {
+    std::size_t at = std::string::npos;
+    bool in_quotes = false;  ///< the end of the text is
+  };
   /// Where a text first has a character that is not in quotes.
-  static std::size_t find_outside_quotes(const std::string& text, char wanted) {
+  static Found find_outside_quotes(const std::string& text, char wanted) {
     char quote = '\0';
     for (std::size_t i = 0; i < text.size(); ++i) {
       const char c = text[i];
-      if (quote == '\0' && c == wanted) return i;
+      if (quote == '\0' && c == wanted) return {i};
       if (quote == '"' && c == '\\') {
         ++i;
       } else if (quote != '\0') {
@@ -345,14 +371,14 @@ class ConfigFile : public CLI::ConfigTOML {
         quote = c;
       }
     }
-    return std::string::npos;
+    return {std::string::npos, quote != '\0'};
   }
 
   static bool is_open_list(const std::string& item) {
     const std::size_t equals = item.find('=');
     const std::size_t value = item.find_first_not_of(" \t", equals + 1);
     return equals != std::string::npos && value != std::string::npos && item[value] == '[' &&
-           find_outside_quotes(item.substr(value), ']') == std::string::npos;
+           find_outside_quotes(item.substr(value), ']').at == std::string::npos;
   }
 };
 

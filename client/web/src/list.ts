@@ -59,15 +59,15 @@ export async function showList(root: HTMLElement, base: URL, token: string | nul
   const { list: { packages = [], streams = [] }, fromFile } = await fetchList(base, token);
   const hash = token ? `#token=${encodeURIComponent(token)}` : "";
   const cards = element("ul", { class: "cards" }), posters = new Posters(token);
-  const add = (link: URL, name: string, facts: string, live: boolean): HTMLElement => {
+  const add = (link: URL, name: string, live: boolean, ...facts: (string | Node)[]): HTMLElement => {
     const picture = element("span", { class: live ? "picture live" : "picture" });
     cards.append(element("li", {}, element("a", { href: link.href + hash }, picture, element("strong", {}, name),
-                                           element("small", {}, facts))));
+                                           element("small", {}, ...facts))));
     return picture;
   };
   for (const { name, publishing, viewers } of streams.filter((stream) => typeof stream?.name === "string")) {
-    const picture = add(new URL(`?live=${encodeURIComponent(name)}`, base), name,
-                        publishing ? `live, ${viewers} watching` : "not live at the moment", true);
+    const picture = add(new URL(`?live=${encodeURIComponent(name)}`, base), name, true,
+                        publishing ? `live, ${viewers} watching` : "not live at the moment");
     const stream = new URL(`live/${encodeURIComponent(name)}`, base);
     stream.protocol = base.protocol.replace("http", "ws");
     if (publishing) posters.add(picture, stream.href);
@@ -75,9 +75,9 @@ export async function showList(root: HTMLElement, base: URL, token: string | nul
   const addReel = ({ name, url, manifest, duration_us, frames, bytes, changed_us, captured_us = changed_us }: Reel): void => {
     const poster = within(base, manifest), link = within(base, url.replace(/\/(reel\.json)?$/, ""));
     const played = new URL(`index.html?reel=${encodeURIComponent(`${link.pathname.slice(base.pathname.length)}/reel.json`)}`, base);
-    const picture = add(fromFile ? played : link, name,
-                        `${timeText(duration_us)}, ${frames} ${frames === 1 ? "frame" : "frames"}, ${bytesText(bytes)}` +
-                          (captured_us === undefined ? "" : `, ${dayText(captured_us)}`), false);
+    const day = captured_us === undefined ? [] : [", ", element("time", {}, dayText(captured_us))];
+    const picture = add(fromFile ? played : link, name, false,
+                        `${timeText(duration_us)}, ${frames} ${frames === 1 ? "frame" : "frames"}, ${bytesText(bytes)}`, ...day);
     posters.add(picture, poster.href);
   };
   const faults: string[] = [];

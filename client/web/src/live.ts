@@ -17,10 +17,10 @@ const isSound = (data: ArrayBuffer): boolean => data.byteLength >= 4 && new Data
 /** As PROTOCOL.md wants tokens in a subprotocol. */
 const escaped = (token: string): string => encodeURIComponent(token).replace(
   /[!'()*]/g, (c) => `%${c.charCodeAt(0).toString(16).toUpperCase()}`);
-/** Hosts to which the policy of the page's server allows no connection, which a WebSocket itself is not told. */
+/** Hosts to which the page's security policy allows no connection. The events of a WebSocket do not say so. */
 const blockedHosts = new Set<string>();
-document.addEventListener("securitypolicyviolation", ({ blockedURI }) => {
-  if (/^wss?:/.test(blockedURI)) blockedHosts.add(new URL(blockedURI).host);
+document.addEventListener("securitypolicyviolation", ({ blockedURI, disposition }) => {
+  if (disposition === "enforce" && /^wss?:/.test(blockedURI)) blockedHosts.add(new URL(blockedURI).host);
 });
 let nextKey = 0x40000000;  // reels count from 1
 
@@ -114,7 +114,7 @@ export class LivePlayback {
     const isBlocked = () => blockedHosts.has(new URL(socket.url).host);
     socket.onerror = () => {
       if (!isBlocked()) return;
-      this.error = `${this.url}: the server of this page allows no connection to other servers`;
+      this.error = `${this.url}: the security policy of this page does not allow connections to this server`;
       this.onReady();
     };
     socket.onmessage = ({ data }) => this.receive(data as string | ArrayBuffer);
@@ -240,9 +240,11 @@ export class LivePlayback {
                      facts: done.facts, packed: done.packed, look: look.number, times: done.times };
       this.shownAt = { capture: captureUs / 1000, held: frame.held };
       if (newest) this.frames += 1;
+      else if (old && old.key === this.drawnKey) this.drawnKey = key;  // its delay is known already
     }).catch((error: Error) => {
+      if (error instanceof LostJob) return;
       this.taken = null;  // it would fail again
-      if (!(error instanceof LostJob)) this.error = `frame ${number}: ${error.message}`;
+      this.error = `frame ${number}: ${error.message}`;
     }).finally(() => {
       this.busy = false;
       this.onReady();

@@ -16,7 +16,10 @@ const STEPS: readonly Coarsening[] = [
 /** As asked. */
 export const FINEST = STEPS[0]!;
 const SLOW_MS = 40;
-/** Slow pictures, each making up for two fast ones. One alone, as after the page was hidden, never is too many. */
+/**
+ * Above this, a coarser step is taken. A slow picture counts by how slow it is, but at most this much, and a fast one takes
+ * half off: one slow picture alone, as after the page was hidden, is never enough.
+ */
 const LATE = 4;
 const SETTLES = 500;                            // ms until frames that were made before are no longer shown
 const PATIENCE = 4000, MOST_PATIENCE = 64_000;  // ms without slow pictures before a finer step is tried
@@ -39,11 +42,11 @@ export class Pace {
 
   /** Things move, and the browser is ready for another picture, at this time in milliseconds. */
   tick(now: number): void {
-    const between = now - this.last;
+    const between = now - this.last, isFirst = this.last === 0;
     this.last = now;
-    if (now - this.stepped < SETTLES) return;
+    if (isFirst || now - this.stepped < SETTLES) return;
     const late = between > SLOW_MS;
-    this.slow = late ? this.slow + Math.min(between / SLOW_MS, LATE) : Math.max(0, this.slow - 0.5);
+    this.slow = late ? Math.min(this.slow + Math.min(between / SLOW_MS, LATE), 2 * LATE) : Math.max(0, this.slow - 0.5);
     if (this.slow > 0) this.since = now;
     if (this.slow > LATE && this.step < STEPS.length - 1) {
       // A finer step that soon failed is tried again after twice as long.

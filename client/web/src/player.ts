@@ -272,7 +272,7 @@ export class Player {
   /** The number of the frame that is shown, from 0; -1 before the first. */
   get frame(): number {
     const shown = this.reel?.shown;
-    return shown ? this.reel!.reel.place(shown.frame) - 1 : this.live[0]?.shown?.frame ?? -1;
+    return shown ? this.reel!.reel.shownIndex(shown.frame) : this.live[0]?.shown?.frame ?? -1;
   }
   setSpeed(speed: number): void { this.withReel((reel) => reel.clock.setSpeed(speed), "ratechange"); }
   setLoop(loop: boolean): void {

@@ -66,7 +66,7 @@ export class Reel {
   readonly timesUs: Float64Array;
   /** Frames that are shown: in a cut of video, others only serve to decode these. */
   readonly shownFrames: number;
-  /** Of these, how many there are up to each frame, itself included. */
+  /** For each frame, how many frames up to and including it are shown. */
   private readonly shownTo: Uint32Array;
   private readonly files = new Map<number, string>();
   private readonly groups = new Map<number, { first: number; frames: number }>();
@@ -101,8 +101,8 @@ export class Reel {
   }
   free(): void { this.module.call("pr_reel_free", this.handle); }
 
-  /** The number of a frame among those that are shown, from 1. */
-  place(frame: number): number { return Math.max(1, this.shownTo[frame] ?? 1); }
+  /** The index of a frame among those that are shown. */
+  shownIndex(frame: number): number { return Math.max(0, (this.shownTo[frame] ?? 1) - 1); }
   text(which: keyof typeof TEXT, index = 0): string { return textOf(this.module, this.handle, which, index); }
   segment(frame: number): Segment {
     const s = this.module.doubles(this.module.call("pr_reel_segment", this.handle, frame), 7);

@@ -67,7 +67,7 @@ test("a stream that is paused follows the choice of a mode", async () => {
 test("a page says that its server allows no connection to others", async () => {
   const server = await serveLive();
   const { tab, close } = await open(`http://${server.address}/?live=ws://127.0.0.2:9/live/alice#token=see`);
-  await says(tab, "ws://127.0.0.2:9/live/alice: the server of this page allows no connection to other servers");
+  await says(tab, "ws://127.0.0.2:9/live/alice: the security policy of this page does not allow connections to this server");
   await close();
   await server.end();
 });

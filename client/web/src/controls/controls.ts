@@ -146,7 +146,7 @@ export class Controls implements Interface {
       const at = reel.clock.read(), speed = reel.clock.state().speed;
       const extra = (Math.abs(speed - 1) > 1e-3 ? `   ${speed.toFixed(2)}x` : "") + (reel.isWaiting && player.pictures ? "   buffering" : "");
       this.time.textContent = `${timeText(at.positionUs)} / ${timeText(reel.reel.durationUs)}`;
-      this.time.append(element("span", { class: "frame" }, `frame ${reel.reel.place(at.frame)} / ${reel.reel.shownFrames}${extra}`));
+      this.time.append(element("span", { class: "frame" }, `frame ${reel.reel.shownIndex(at.frame) + 1} / ${reel.reel.shownFrames}${extra}`));
     } else {
       this.time.textContent = player.isLive ? (player.playing ? "live" : "live, paused") : "";
     }

@@ -26,7 +26,7 @@ const tellTime: Act = (player, ui) => {
   const reel = player.reel;
   if (!reel) return ui.say(player.isLive ? "a live stream has no other time to go to" : "");
   const { positionUs, frame } = reel.clock.read();
-  ui.say(`${timeText(positionUs)} / ${timeText(reel.reel.durationUs)}   frame ${reel.reel.place(frame)} of ${reel.reel.shownFrames}`);
+  ui.say(`${timeText(positionUs)} / ${timeText(reel.reel.durationUs)}   frame ${reel.reel.shownIndex(frame) + 1} of ${reel.reel.shownFrames}`);
 };
 const by = (seconds: number): Act => (player, ui) => {
   player.seekBy(seconds * SECOND);

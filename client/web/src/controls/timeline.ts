@@ -70,8 +70,8 @@ export class Timeline {
     if (at.frame !== this.frame) {
       this.frame = at.frame;
       this.root.setAttribute("aria-valuemax", String(reel.reel.shownFrames));
-      this.root.setAttribute("aria-valuenow", String(reel.reel.place(at.frame)));
-      this.root.setAttribute("aria-valuetext", `${timeText(at.positionUs)}, frame ${reel.reel.place(at.frame)} of ${reel.reel.shownFrames}`);
+      this.root.setAttribute("aria-valuenow", String(reel.reel.shownIndex(at.frame) + 1));
+      this.root.setAttribute("aria-valuetext", `${timeText(at.positionUs)}, frame ${reel.reel.shownIndex(at.frame) + 1} of ${reel.reel.shownFrames}`);
     }
     const range = reel.clock.state().range, a = range?.a ?? markedA(this.player);
     this.range.hidden = a === undefined;

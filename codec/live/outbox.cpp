@@ -17,7 +17,8 @@ constexpr auto kPause = 300ms;
 /// The same after several connections over which nothing was accepted, such as those for a name
 /// that is taken.
 constexpr auto kLongPause = 2000ms;
-constexpr int kSoonAgain = 3;
+/// So many are repeated soon: a broken link is often back at once.
+constexpr int kQuickRetries = 3;
 /// Links over satellites have round trips of a second, of which TLS takes four.
 constexpr auto kConnectTimeout = 10'000ms;
 /// If a server's machine disappears, its connection is given up after this time. Until then it
@@ -127,7 +128,7 @@ void Outbox::run(const std::stop_token& stop) {
   socket_options.max_waiting = kMaxWaiting;
   socket_options.confirm = true;
   socket_options.stop = stop;
-  int in_vain = 0;  // connections, one after another, over which nothing was accepted
+  int in_vain = 0;  // consecutive connections over which nothing was accepted
   while (!stop.stop_requested()) {
     const auto socket = WebSocket::connect(options_.url, socket_options);
     if (socket) {
@@ -136,6 +137,7 @@ void Outbox::run(const std::stop_token& stop) {
       serve(**socket, stop);
       in_vain = statistics().accepted_layers == accepted ? in_vain + 1 : 0;
     } else if (!stop.stop_requested()) {
+      in_vain = 0;
       if (is_final(socket.error().code)) {
         const std::lock_guard lock(mutex_);
         failure_ = socket.error();
@@ -145,7 +147,8 @@ void Outbox::run(const std::stop_token& stop) {
       tell(socket.error().message);
     }
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, stop, in_vain > kSoonAgain ? kLongPause : kPause, [] { return false; });
+    changed_.wait_for(lock, stop, in_vain > kQuickRetries ? kLongPause : kPause,
+                      [] { return false; });
   }
 }
 

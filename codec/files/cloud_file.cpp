@@ -209,7 +209,7 @@ std::optional<std::uint64_t> CloudSequence::captured_us() const {
 
 namespace {
 
-/// Frames per second. Recordings round their times to microseconds: 33,333 are 30 frames a second.
+/// Frames per second. Recordings round their times to microseconds: a spacing of 33,333 means 30.
 double frame_rate(double spacing_us) {
   const double rate = 1e6 / spacing_us, whole = std::max(1.0, std::round(rate));
   return std::abs(1e6 / whole - spacing_us) <= 1.0 ? whole : rate;
@@ -240,6 +240,11 @@ void CloudSequence::find_times() {
   const auto middle = spacings.begin() + std::ssize(spacings) / 2;
   std::nth_element(spacings.begin(), middle, spacings.end());
   if (*middle == 0) return show_evenly("most frames have the time of the frame before");
+  if (const auto unseen = std::ranges::count(spacings, 0u); unseen > 0)
+    warnings.push_back(
+        fmt::format("{} of {} frames have the same time as the next one and are not seen (--fps "
+                    "spaces all frames evenly)",
+                    unseen, frames.size()));
   times_us = std::move(times);
   fps = frame_rate(static_cast<double>(*middle));
 }

@@ -172,6 +172,15 @@ TEST_F(CloudFile, missing_numbers_of_frames_are_named_and_their_time_can_be_kept
               ElementsAre("--topic is not used: there is no MCAP recording"));
 }
 
+TEST_F(CloudFile, frames_that_are_not_seen_because_the_next_has_their_time_are_counted) {
+  CloudSequence sequence;
+  for (const std::uint64_t time : {0u, 100'000u, 100'000u, 200'000u, 300'000u})
+    sequence.frames.emplace_back().time_us = time;
+  sequence.find_times();
+  EXPECT_THAT(sequence.times_us, ElementsAre(0, 100'000, 100'000, 200'000, 300'000));
+  EXPECT_THAT(sequence.warnings, ElementsAre(HasSubstr("1 of 5 frames have the same time as the")));
+}
+
 TEST_F(CloudFile, times_that_are_not_believed_are_named) {
   const auto warnings = [](const std::vector<std::uint64_t>& times) {
     CloudSequence sequence;

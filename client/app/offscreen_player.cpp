@@ -94,12 +94,12 @@ class OffscreenPlayer {
                                          name(instancing)));
   }
 
-  /// Live streams may never end.
+  /// A live stream has no end of its own, so that a player without a window would seem to hang.
   void say_what_ends_it() const {
     bool is_live = false;
     for (std::size_t i = 0; i < stage_->size(); ++i) is_live |= stage_->live(i) != nullptr;
     if (is_live && !options_.duration)
-      print_error("pointreel", "playing until Ctrl-C; --duration SECONDS ends it by itself");
+      print_error("pointreel", "playing until Ctrl-C; --duration SECONDS sets an end");
   }
 
   /// Null if it was stopped.

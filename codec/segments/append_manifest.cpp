@@ -16,14 +16,14 @@ namespace {
 /// Why frames of the two cannot be in one reel; empty if they can.
 std::string difference(const Manifest& a, const Manifest& b) {
   const auto differ = [](const char* what, const auto& one, const auto& other, const char* option) {
-    return fmt::format("{}, {} and {} (pack {} sets it)", what, one, other, option);
+    return fmt::format("{}, {} and {} (set with pack {})", what, one, other, option);
   };
   if (a.codec != b.codec) return differ("codecs", a.codec, b.codec, "--codec");
   if (a.group_frames != b.group_frames)
     return differ("groups of frames", a.group_frames, b.group_frames, "--group");
   if (a.entropy != b.entropy) return differ("entropy coders", a.entropy, b.entropy, "--entropy");
   if (a.layer_names != b.layer_names) return "layers";
-  if (a.up != b.up) return differ("axes that point up", a.up.text(), b.up.text(), "--up");
+  if (a.up != b.up) return differ("up axes", a.up.text(), b.up.text(), "--up");
   const bool same_tables = a.tables.has_value() == b.tables.has_value() &&
                            (!a.tables || a.tables->checksum == b.tables->checksum);
   return same_tables ? "" : "context tables";

@@ -305,8 +305,9 @@ Option Command::add_flag_callback(const std::string& names, const std::function<
 namespace {
 
 /// CLI11 takes a "#" in quotes for a comment, and a list for ended at the end of a line that begins
-/// it; of tables of one name it makes one, and of a text without an end some other text. It gets
-/// lines without comments, each list as one line, and none of the others.
+/// it. It also merges tables of the same name, and misreads a string whose closing quotation mark
+/// is missing. It therefore gets lines without comments and each list on one line; repeated tables
+/// and unclosed strings are refused before.
 class ConfigFile : public CLI::ConfigTOML {
  public:
   ConfigFile() { commentChar = '\0'; }
@@ -315,8 +316,7 @@ class ConfigFile : public CLI::ConfigTOML {
     std::string text(kMostBytes + 1, '\0');
     in.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(in.gcount()));
-    if (text.size() > kMostBytes)
-      throw CLI::ConfigError("--config: has more than a mebibyte, which no configuration takes");
+    if (text.size() > kMostBytes) throw CLI::ConfigError("--config: the file is larger than 1 MiB");
     std::istringstream lines(text);
     std::stringstream plain;
     std::string item;
@@ -325,17 +325,21 @@ class ConfigFile : public CLI::ConfigTOML {
     for (std::string line; std::getline(lines, line);) {
       ++number;
       if (item.empty()) begin = number;
+      const std::size_t begins = line.find_first_not_of(" \t");
+      if (begins == std::string::npos || line[begins] == ';') continue;  // empty, or a comment
       const Found comment = find_outside_quotes(line, '#');
       if (comment.at == std::string::npos && comment.in_quotes)
         throw CLI::ConfigError(
-            fmt::format("--config: line {}: a quotation mark has no other one", number));
+            fmt::format("--config: line {}: a quotation mark is not closed", number));
       line.resize(std::min(line.size(), comment.at));
-      line.erase(line.find_last_not_of(" \t\r") + 1);
-      if (item.empty() && line.starts_with('[') && !tables.insert(line).second)
-        throw CLI::ConfigError(
-            fmt::format("--config: line {}: there is a {} above already; put "
-                        "all of it below that one",
-                        number, line));
+      if (item.empty() && line[begins] == '[') {
+        const std::string table = name_of_table(line);
+        if (!tables.insert(table).second)
+          throw CLI::ConfigError(
+              fmt::format("--config: line {}: [{}] appears a second time; put all "
+                          "its options in the first one",
+                          number, table));
+      }
       item += line;
       if (is_open_list(item)) {
         item += ' ';
@@ -355,8 +359,14 @@ class ConfigFile : public CLI::ConfigTOML {
 
   struct Found {
     std::size_t at = std::string::npos;
-    bool in_quotes = false;  ///< the end of the text is
+    bool in_quotes = false;  ///< whether the text ends inside quotes
   };
+  /// "[name]" and "[[name]]" are the same to CLI11.
+  static std::string name_of_table(const std::string& line) {
+    const std::size_t begin = line.find_first_not_of(" \t["), end = line.find_last_not_of(" \t\r]");
+    return begin == std::string::npos || end < begin ? "" : line.substr(begin, end + 1 - begin);
+  }
+
   /// Where a text first has a character that is not in quotes.
   static Found find_outside_quotes(const std::string& text, char wanted) {
     char quote = '\0';

@@ -97,6 +97,7 @@ ordered_json info_json(const Manifest& manifest, const Totals& totals) {
           {"codec", manifest.codec},
           {"entropy", entropy},
           {"frames", manifest.frame_count()},
+          {"shown_frames", shown_frames(manifest).size()},
           {"segments", manifest.segments.size()},
           {"fps", manifest.fps},
           {"duration_s", static_cast<double>(manifest.duration_us) * 1e-6},

@@ -177,9 +177,9 @@ void print_summary(const std::string& package, const PackOptions& options,
         summary.entropy, span_text(summary.depth_min, summary.depth_max));
   if (summary.trial)
     for (const std::string& line : trial_lines(*summary.trial)) print("{}\n", line);
-  if (options.video_if_it_pays && !summary.trial && summary.frames < kFewestVideoFrames &&
-      summary.points >= kFewestVideoPoints * summary.frames)
-    print("  video           not tried with fewer than {} frames (--codec video)\n",
+  if (options.video_if_it_pays && summary.frames < kFewestVideoFrames &&
+      summary.scalar_bytes == 0 && summary.points >= kFewestVideoPoints * summary.frames)
+    print("  video           not tried on fewer than {} frames (--codec video packs it anyway)\n",
           kFewestVideoFrames);
   if (summary.normals_estimated)
     print("  normals         estimated, since the source has none (--normals overrides)\n");

@@ -51,7 +51,9 @@ void add_upload_command(cli::Command app, int& exit_code) {
   add_store_options(command, a->options.http);
   command.add_flag("--follow", a->options.follow,
                    "keep uploading what a growing recording adds, until it ends");
-  command.add_flag("--force", a->options.force, "replace another reel that is there");
+  command.add_flag("--force", a->options.force,
+                   "replace another reel that is there, or send again what is missing or "
+                   "differs of this one");
   command.add_flag("--json", a->json, "print the summary as JSON");
   command.callback([a, &exit_code] { exit_code = run_upload(*a); });
 }

@@ -21,8 +21,9 @@
 namespace pointreel {
 namespace {
 
-/// Nominal frame rates differ by at most this share.
-constexpr double kMostRatesDiffer = 0.1;
+/// How much the nominal frame rates may differ, as a share of the higher one: those of recordings
+/// are measured.
+constexpr double kMaxRateDifference = 0.1;
 
 bool same_fields(const Manifest& a, const Manifest& b) {
   return std::is_permutation(
@@ -35,10 +36,10 @@ Result<void> check_alike(const Manifest& whole, const Manifest& next) {
   const auto differ = [](std::string what) {
     return fail(ErrorCode::argument, "the two reels have different " + std::move(what));
   };
-  // That of recordings is the median of times, which differs a little from one to the next.
-  if (std::abs(whole.fps - next.fps) > kMostRatesDiffer * std::max(whole.fps, next.fps)) {
-    return differ(fmt::format("frame rates, {} and {} (pack --fps spaces frames evenly)",
-                              number_text(whole.fps), number_text(next.fps)));
+  if (std::abs(whole.fps - next.fps) > kMaxRateDifference * std::max(whole.fps, next.fps)) {
+    return differ(
+        fmt::format("frame rates, {} and {} (pack --fps sets the rate, and spaces frames evenly)",
+                    number_text(whole.fps), number_text(next.fps)));
   }
   // What has no points has no attributes.
   if (whole.bounds.empty() || next.bounds.empty()) return {};

@@ -141,7 +141,7 @@ class Unpacking {
     if (manifest_.group_frames > 0 && options_.layers > 1) {
       auto cloud = decoder_.decode_video(options_.input, manifest_, frame, options_.voxels);
       if (!cloud) return fail_at(place(frame), cloud.error());
-      // Points beside the pictures have none.
+      // Points that are stored outside the pictures have no normals.
       if (cloud->has_normals()) complete_normals(*cloud, executor_);
       return cloud;
     }

@@ -126,6 +126,16 @@ Result<Descriptor> lock_package(const fs::path& package, const Manifest& manifes
 
 }  // namespace
 
+void warn_of_unpacked_audio(const std::vector<fs::path>& inputs,
+                            std::vector<std::string>& warnings) {
+  for (const fs::path& input : inputs) {
+    const fs::path sound = input / kUnpackedAudio;
+    std::error_code ignored;
+    if (fs::is_regular_file(sound, ignored))
+      warnings.push_back(sound.string() + ": not packed; add it with --audio");
+  }
+}
+
 Result<void> check_audio_source(const fs::path& source) {
   if (!is_installed("ffmpeg")) return fail(ErrorCode::not_found, kSoundNeedsFfmpeg);
   std::error_code error;

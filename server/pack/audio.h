@@ -6,6 +6,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "pointreel/error.h"
 #include "pointreel/package.h"
@@ -16,6 +17,10 @@ namespace pointreel {
 
 /// The name under which sound is unpacked.
 inline constexpr const char* kUnpackedAudio = "audio.opus";
+
+/// Warns of sound that lies beside the frames of these inputs, where it was unpacked.
+void warn_of_unpacked_audio(const std::vector<std::filesystem::path>& inputs,
+                            std::vector<std::string>& warnings);
 
 /// Whether ffmpeg is there to read the file, and the file too. Errors: `not_found`.
 Result<void> check_audio_source(const std::filesystem::path& source);

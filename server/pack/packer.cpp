@@ -157,17 +157,6 @@ class Packer {
   SegmentWarnings warnings_;
 };
 
-/// `unpack` writes a reel's sound beside its frames.
-void warn_of_sound(const PackOptions& options, CloudSequence& sequence) {
-  if (options.audio) return;
-  for (const fs::path& input : options.inputs) {
-    const fs::path sound = input / kUnpackedAudio;
-    std::error_code ignored;
-    if (!fs::is_regular_file(sound, ignored)) continue;
-    sequence.warnings.push_back(fmt::format("{}: is left out; --audio packs it", sound.string()));
-  }
-}
-
 }  // namespace
 
 Result<PackSummary> pack(const PackOptions& options, const PackListener& listener) {
@@ -175,7 +164,7 @@ Result<PackSummary> pack(const PackOptions& options, const PackListener& listene
   return in_arena(options.threads, [&]() -> Result<PackSummary> {
     CloudSequence sequence = TRY(list_cloud_frames(options.inputs, options.listing(listener.stop)));
     if (options.keep_gaps) sequence.keep_gaps(options.fps);
-    warn_of_sound(options, sequence);
+    if (!options.audio) warn_of_unpacked_audio(options.inputs, sequence.warnings);
     const auto make_folder = [&] {
       return OutputFolder::create(options.output,
                                   options.force ? may_replace_package : OutputFolder::MayReplace{});

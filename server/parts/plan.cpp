@@ -116,7 +116,7 @@ ordered_json plan_json(const fs::path& path) {
   return json;
 }
 
-/// The folder of the plan, which is complete or absent.
+/// For a new plan. Removes the old one if `force` allows it.
 Result<OutputFolder> plan_folder(const fs::path& folder, bool force) {
   std::error_code error;
   if (fs::exists(folder, error) &&
@@ -215,6 +215,7 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
   if (options.name.empty()) options.name = default_reel_name(options.output);
   CloudSequence sequence = TRY(list_cloud_frames(options.inputs, options.listing(stop)));
   if (options.keep_gaps) sequence.keep_gaps(options.fps);
+  if (!options.audio) warn_of_unpacked_audio(options.inputs, sequence.warnings);
   const std::vector<CloudFrame>& frames = sequence.frames;
   PackPlan plan;
   plan.arguments = std::move(arguments);

@@ -292,7 +292,8 @@ TEST_F(AudioPackage, is_unpacked_with_its_sound) {
   EXPECT_EQ(read_text(folder() / "out" / "audio.opus"), read_text(reel() / manifest().audio->path));
   EXPECT_TRUE(unpack(options)) << "a folder of unpacked frames may have sound";
   PackOptions again = pack_options(folder() / "out", folder() / "again");
-  EXPECT_THAT(pack(again)->warnings, Contains(HasSubstr("audio.opus: is left out; --audio packs")));
+  EXPECT_THAT(pack(again)->warnings,
+              Contains(HasSubstr("audio.opus: not packed; add it with --audio")));
   again.audio = folder() / "out" / "audio.opus";
   again.force = true;
   EXPECT_THAT(pack(again)->warnings, Not(Contains(HasSubstr("audio.opus"))));

@@ -289,24 +289,23 @@ TEST_F(Edit, packages_that_do_not_go_together_are_refused_in_one_line) {
     return line.substr(std::min(before.size(), line.size()));
   };
   EXPECT_EQ(refusal(draco_options()),
-            "the two reels have different codecs, octree and draco (pack --codec sets it)");
+            "the two reels have different codecs, octree and draco (set with pack --codec)");
   PackOptions other = layered_options();
   other.fps = 25.0;
-  EXPECT_EQ(
-      refusal(other),
-      "the two reels have different frame rates, 30 and 25 (pack --fps spaces frames evenly)");
+  EXPECT_EQ(refusal(other),
+            "the two reels have different frame rates, 30 and 25 (pack --fps sets the rate, and "
+            "spaces frames evenly)");
   other = layered_options();
   other.encode.codec = OctreeOptions{Entropy::zstd, DepthRule::fixed(10)};
   EXPECT_EQ(
       refusal(other),
-      "the two reels have different entropy coders, context and zstd (pack --entropy sets it)");
+      "the two reels have different entropy coders, context and zstd (set with pack --entropy)");
   other = layered_options();
   std::get<OctreeOptions>(other.encode.codec).depth = DepthRule::fixed(8);
   EXPECT_EQ(refusal(other), "the two reels have different layers");
   other = layered_options();
   other.up = 'z';
-  EXPECT_EQ(refusal(other),
-            "the two reels have different axes that point up, y and z (pack --up sets it)");
+  EXPECT_EQ(refusal(other), "the two reels have different up axes, y and z (set with pack --up)");
   other = layered_options();
   other.encode.colors = false;
   EXPECT_EQ(refusal(other), "only the first of the two reels has colours");

@@ -358,7 +358,7 @@ TEST_F(Parts, need_a_plan_that_fits) {
   make(force);
   EXPECT_THAT(join_error(), HasSubstr("7 of 7"));
 
-  // A program that was killed may have left it.
+  // A program of an earlier version that was killed may have left it.
   fs::remove_all(folder());
   fs::create_directory(folder());
   make(options());

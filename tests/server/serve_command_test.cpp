@@ -311,11 +311,11 @@ TEST_F(ServeCommandTest, says_nothing_of_tokens_in_a_configuration_file_that_it_
         {"{\"serve\": {\"view-token\": \"SECRET\"}}", "line 1 is not NAME = VALUE"},
         {"[serve]\n= SECRET\n", "line 2 is not NAME = VALUE"},
         {"[serve]\nreels = [\"a\"\nview-token = SECRET\n", "begins in line 2 has no end"},
-        {"[serve]\nreels = [\"#a\nview-token = SECRET\n", "line 2: a quotation mark has no other"},
-        {"[serve]\nview-token = \"SECRET\n", "line 2: a quotation mark has no other one"},
-        {"[serve]\nname = 'it\nview-token = SECRET\n", "line 2: a quotation mark has no other one"},
-        {"[serve]\nview-token = \"SECRET\"\n\n[serve] # again\nview-token = \"SECRET\"\n",
-         "line 4: there is a [serve] above already"},
+        {"[serve]\nreels = [\"#a\nview-token = SECRET\n", "line 2: a quotation mark is not closed"},
+        {"[serve]\nview-token = \"SECRET\n", "line 2: a quotation mark is not closed"},
+        {"[serve]\nname = 'it\nview-token = SECRET\n", "line 2: a quotation mark is not closed"},
+        {"[serve]\nview-token = \"SECRET\"\n; don't\n [[serve]] # again\nview-token = \"SECRET\"\n",
+         "line 4: [serve] appears a second time"},
         {"[Serve]\nview-token = SECRET\n", "line 1 is not the name of a command, such as [serve]"},
         {"[serve]\nview-tokn = \"SECRET\"\n", "there is no option serve.view-tokn"}}) {
     std::ofstream(config) << text;
@@ -324,7 +324,7 @@ TEST_F(ServeCommandTest, says_nothing_of_tokens_in_a_configuration_file_that_it_
     EXPECT_THAT(failure, testing::Not(HasSubstr("SECRET")));
   }
   EXPECT_THAT(failure_of({reel_.string(), "--config", "/dev/zero"}),
-              HasSubstr("--config: has more than a mebibyte"));
+              HasSubstr("--config: the file is larger than 1 MiB"));
 }
 
 }  // namespace

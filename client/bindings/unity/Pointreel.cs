@@ -120,12 +120,13 @@ namespace Pointreel
 
     static class Text
     {
-        public static byte[] Utf8(string text)
+        /// <summary>`name` is that of the argument.</summary>
+        public static byte[] Utf8(string text, string name)
         {
             if (text == null)
-                throw new ArgumentNullException("where");
+                throw new ArgumentNullException(name);
             if (text.IndexOf('\0') >= 0)
-                throw new ArgumentException("a path or an address has a null character");
+                throw new ArgumentException("must not contain a null character", name);
             return Encoding.UTF8.GetBytes(text + "\0");
         }
 
@@ -223,7 +224,7 @@ namespace Pointreel
         {
             this.canceller = canceller;
             OpenOptions options = Opening(canceller);
-            PointreelException.Check(Native.pointreel_reel_open(Text.Utf8(where), ref options, out handle));
+            PointreelException.Check(Native.pointreel_reel_open(Text.Utf8(where, "where"), ref options, out handle));
             Info.StructSize = (UIntPtr)(uint)Marshal.SizeOf(typeof(ReelInfo));
             PointreelException.Check(Native.pointreel_reel_get_info(handle, ref Info));
         }
@@ -278,7 +279,7 @@ namespace Pointreel
         {
             this.canceller = canceller;
             OpenOptions options = Reel.Opening(canceller);
-            PointreelException.Check(Native.pointreel_live_open(Text.Utf8(url), ref options, out handle));
+            PointreelException.Check(Native.pointreel_live_open(Text.Utf8(url, "url"), ref options, out handle));
         }
 
         /// <summary>A frame newer than the last one; null if none has come by then.</summary>

@@ -34,7 +34,7 @@ class Packages(TemporaryFolder):
                     for options in ({}, {"up": "-z"}, {"up": "y"})]
         np.testing.assert_array_equal(pictures[0], pictures[1])
         self.assertTrue((pictures[0] != pictures[2]).any())
-        with self.assertWarnsRegex(UserWarning, "-z points up in the frames, and y in what is writ"):
+        with self.assertWarnsRegex(UserWarning, "-z points up in the frames, but y in what is writ"):
             pointreel.pack((frame for _ in range(2)), self.folder / "list")
         with warnings.catch_warnings():
             warnings.simplefilter("error")
@@ -78,7 +78,7 @@ class Packages(TemporaryFolder):
                 reel[wrong]
             with self.assertRaisesRegex(IndexError, f"no frame {wrong}"):
                 reel.read(wrong)
-        with self.assertRaisesRegex(TypeError, "a whole number, not str"):
+        with self.assertRaisesRegex(TypeError, "an integer, not str"):
             reel["first"]
 
     def test_iteration_gives_what_indexing_gives(self):

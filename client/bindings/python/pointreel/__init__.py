@@ -9,7 +9,7 @@
         ...
 
 All functions raise `pointreel.Error` if something fails, whose member `code` tells what kind of
-failure it was ("argument": something given is out of its range), and TypeError or ValueError for
+failure it was, such as "argument" for a value out of range, and TypeError or ValueError for
 arguments of the wrong type or shape. What is left out or
 guessed is a warning (`warnings.warn`). They let other threads run while they fetch, decode or
 encode. Ctrl-C ends them.
@@ -130,15 +130,15 @@ class _Steps:
 class _Axis:
     """The axis that points up in what is written, and a warning where frames have another one."""
 
-    def __init__(self, up: Optional[str]):
-        self.up = "y" if up is None else up
+    def __init__(self, up: Optional[str], default: Optional[str] = None):
+        self.up = next(axis for axis in (up, default, "y") if axis is not None)
         self._is_guess = up is None
 
     def see(self, frame: Any) -> None:
         if self._is_guess and isinstance(frame, Frame) and frame.up != self.up:
             self._is_guess = False
-            _warn(f"{frame.up} points up in the frames, and {self.up} in what is written; "
-                  f"up={frame.up!r} keeps it")
+            _warn(f"{frame.up} points up in the frames, but {self.up} in what is written; pass "
+                  f"up={frame.up!r} to keep their axis")
 
 
 def _up_of(frames: Any) -> Optional[str]:
@@ -149,12 +149,11 @@ def _up_of(frames: Any) -> Optional[str]:
 
 
 def _index(index: Any, count: int) -> int:
-    """Of one of so many frames, from the end if it is negative."""
+    """The index, from 0, of one of `count` frames; negative ones count from the end."""
     try:
         number = operator.index(index)
     except TypeError:
-        raise TypeError(f"the number of a frame is a whole number, not {type(index).__name__}"
-                        ) from None
+        raise TypeError(f"a frame's index is an integer, not {type(index).__name__}") from None
     if not -count <= number < count:
         raise IndexError(f"there is no frame {number}; there are {count} frames")
     return number % count
@@ -542,7 +541,7 @@ def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: Opti
         raise TypeError(f"frames is a list of frames, not {type(frames).__name__}; "
                         "pack([frame], path) packs one, pack(open(file), path) files")
     fps = getattr(frames, "fps", 30.0) if fps is None else fps
-    axis = _Axis(_up_of(frames) if up is None else up)
+    axis = _Axis(up, _up_of(frames))
     up = axis.up
     _check_texts(name=name, up=up, cube=cube, normals=normals)
     _check_numbers(fps=fps)

@@ -6,6 +6,7 @@
 #include <string>
 #include <system_error>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -17,9 +18,21 @@ ByteView bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
+/// Opens a file to be written; errno tells why not. To open a FIFO that nobody reads would block,
+/// whatever signal comes.
+std::FILE* open_to_write(const fs::path& path) {
+  const int file =
+      ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0666);
+  if (file < 0) return nullptr;
+  ::fcntl(file, F_SETFL, ::fcntl(file, F_GETFL) & ~O_NONBLOCK);
+  std::FILE* const opened = ::fdopen(file, "wb");
+  if (opened == nullptr) ::close(file);
+  return opened;
+}
+
 /// Writes all bytes; errno tells why not.
 bool write_all(const fs::path& path, ByteView bytes) {
-  std::FILE* file = std::fopen(path.c_str(), "wb");
+  std::FILE* file = open_to_write(path);
   if (file == nullptr) return false;
   // An empty view may have no address, and fwrite must not be given a null pointer.
   const bool written =
@@ -46,6 +59,7 @@ Result<void> write(const fs::path& path, ByteView bytes, const fs::path& shown) 
 std::string why_not_written(int error) {
   std::string why = std::generic_category().message(error);
   if (error == ENOSPC || error == EDQUOT) return why + "; make room on the disk";
+  if (error == ENXIO) return "no program reads it";
   if (error == EMFILE || error == ENFILE) return why + "; raise the limit with ulimit -n";
   return why;
 }

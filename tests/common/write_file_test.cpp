@@ -3,8 +3,11 @@
 #include <filesystem>
 #include <string>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "tests/full_disk.h"
 #include "tests/read_file.h"
@@ -46,6 +49,20 @@ TEST_F(WriteFile, does_not_remove_a_device) {
       written.error().message,
       file().string() + ": cannot be written: No space left on device; make room on the disk");
   EXPECT_TRUE(fs::is_symlink(file()));
+}
+
+TEST_F(WriteFile, does_not_wait_for_whoever_might_read_a_pipe) {
+  ASSERT_EQ(::mkfifo(file().c_str(), 0600), 0);
+  const auto nobody = write_file(file(), "text");
+  ASSERT_FALSE(nobody);
+  EXPECT_EQ(nobody.error().message, file().string() + ": cannot be written: no program reads it");
+  EXPECT_TRUE(fs::is_fifo(file()));
+  const int reader = ::open(file().c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  EXPECT_TRUE(write_file(file(), "text"));
+  char text[8] = {};
+  EXPECT_EQ(::read(reader, text, sizeof text), 4);
+  ::close(reader);
 }
 
 TEST_F(WriteFile, replaces_a_file_only_by_a_whole_one) {

@@ -10,9 +10,8 @@
 
 All functions raise `pointreel.Error` if something fails, whose member `code` tells what kind of
 failure it was, such as "argument" for a value out of range, and TypeError or ValueError for
-arguments of the wrong type or shape. What is left out or
-guessed is a warning (`warnings.warn`). They let other threads run while they fetch, decode or
-encode. Ctrl-C ends them.
+arguments of the wrong type or shape. What is left out or guessed is a warning (`warnings.warn`).
+They let other threads run while they fetch, decode or encode. Ctrl-C ends them.
 """
 
 from __future__ import annotations
@@ -28,8 +27,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
-from ._arguments import (_check, _check_counts, _check_numbers, _check_texts, _color, _colors, _error,
-                         _named, _path, _rows, _scalars, _vector, _warn)
+from ._arguments import (_Axis, _check, _check_counts, _check_numbers, _check_texts, _color, _colors,
+                         _error, _index, _named, _path, _rows, _scalars, _Steps, _up_of, _vector,
+                         _warn)
 from ._native import Error, Frame, __version__
 
 __all__ = ["Error", "Frame", "Frames", "Points", "Reel", "Live", "Publisher", "open", "live",
@@ -108,55 +108,6 @@ def _give(item: Any, add: Any, add_frame: Any, time: Optional[float] = None
     arrays = _arrays(points)
     add(*arrays, points.time)
     return arrays[-1]
-
-
-class _Steps:
-    """Tells where the names of scalar fields given by the user are of no use."""
-
-    def __init__(self, codec: str, steps: Optional[Mapping[str, float]]):
-        self._unused, self._draco, self._warned = set(steps or {}), codec == "draco", False
-
-    def see(self, fields: Collection[str]) -> None:
-        self._unused.difference_update(fields)
-        if self._draco and not self._warned and fields:
-            self._warned = True
-            _warn("scalar fields are left out: Draco frames have none")
-
-    def end(self) -> None:
-        if self._unused:
-            _warn(f"scalar_steps: no frame has the field {', '.join(sorted(self._unused))}")
-
-
-class _Axis:
-    """The axis that points up in what is written, and a warning where frames have another one."""
-
-    def __init__(self, up: Optional[str], default: Optional[str] = None):
-        self.up = next(axis for axis in (up, default, "y") if axis is not None)
-        self._is_guess = up is None
-
-    def see(self, frame: Any) -> None:
-        if self._is_guess and isinstance(frame, Frame) and frame.up != self.up:
-            self._is_guess = False
-            _warn(f"{frame.up} points up in the frames, but {self.up} in what is written; pass "
-                  f"up={frame.up!r} to keep their axis")
-
-
-def _up_of(frames: Any) -> Optional[str]:
-    """The axis that points up in a reel, in a part of it, or in a list of its frames, if known."""
-    if isinstance(frames, (list, tuple)):
-        frames = next((frame for frame in frames if isinstance(frame, Frame)), None)
-    return getattr(frames, "up", None)
-
-
-def _index(index: Any, count: int) -> int:
-    """The index, from 0, of one of `count` frames; negative ones count from the end."""
-    try:
-        number = operator.index(index)
-    except TypeError:
-        raise TypeError(f"a frame's index is an integer, not {type(index).__name__}") from None
-    if not -count <= number < count:
-        raise IndexError(f"there is no frame {number}; there are {count} frames")
-    return number % count
 
 
 class Frames(Sequence[Frame]):

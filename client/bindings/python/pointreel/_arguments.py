@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import collections.abc
+import operator
 import os
 import re
 import sys
 import warnings
-from typing import Any, Dict, Mapping, Optional, Tuple, Union
+from typing import Any, Collection, Dict, Mapping, Optional, Tuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._native import Error
+from ._native import Error, Frame
 
 
 _MOST_NUMBER = 2**1023  # Larger ones do not become floats.
@@ -147,3 +148,52 @@ def _color(text: str) -> Tuple[float, ...]:
     if not re.fullmatch("#[0-9a-fA-F]{6}", text):
         raise ValueError(f"background is a color such as #ffffff, not {text!r}")
     return tuple(part / 255.0 for part in bytes.fromhex(text[1:]))
+
+
+class _Steps:
+    """Tells where the names of scalar fields given by the user are of no use."""
+
+    def __init__(self, codec: str, steps: Optional[Mapping[str, float]]):
+        self._unused, self._draco, self._warned = set(steps or {}), codec == "draco", False
+
+    def see(self, fields: Collection[str]) -> None:
+        self._unused.difference_update(fields)
+        if self._draco and not self._warned and fields:
+            self._warned = True
+            _warn("scalar fields are left out: Draco frames have none")
+
+    def end(self) -> None:
+        if self._unused:
+            _warn(f"scalar_steps: no frame has the field {', '.join(sorted(self._unused))}")
+
+
+class _Axis:
+    """The axis that points up in what is written, and a warning where frames have another one."""
+
+    def __init__(self, up: Optional[str], default: Optional[str] = None):
+        self.up = next(axis for axis in (up, default, "y") if axis is not None)
+        self._is_guess = up is None
+
+    def see(self, frame: Any) -> None:
+        if self._is_guess and isinstance(frame, Frame) and frame.up != self.up:
+            self._is_guess = False
+            _warn(f"{frame.up} points up in the frames, but {self.up} in what is written; pass "
+                  f"up={frame.up!r} to keep their axis")
+
+
+def _up_of(frames: Any) -> Optional[str]:
+    """The axis that points up in a reel, in a part of it, or in a list of its frames, if known."""
+    if isinstance(frames, (list, tuple)):
+        frames = next((frame for frame in frames if isinstance(frame, Frame)), None)
+    return getattr(frames, "up", None)
+
+
+def _index(index: Any, count: int) -> int:
+    """The index, from 0, of one of `count` frames; negative ones count from the end."""
+    try:
+        number = operator.index(index)
+    except TypeError:
+        raise TypeError(f"a frame's index is an integer, not {type(index).__name__}") from None
+    if not -count <= number < count:
+        raise IndexError(f"there is no frame {number}; there are {count} frames")
+    return number % count

@@ -1,17 +1,13 @@
 // The only file that includes CLI11: what command.h and check.h declare, and --help.
 
-#include <algorithm>
 #include <csignal>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
-#include <set>
 #include <sstream>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -20,6 +16,7 @@
 #include "common/command_line/command.h"
 #include "common/command_line/command_table.h"
 #include "common/command_line/option_words.h"
+#include "common/command_line/toml.h"
 #include "common/command_line/write_manuals.h"
 #include "common/process/print.h"
 #include "pointreel/version.h"
@@ -304,99 +301,51 @@ Option Command::add_flag_callback(const std::string& names, const std::function<
 
 namespace {
 
-/// CLI11 takes a "#" in quotes for a comment, and a list for ended at the end of a line that begins
-/// it. It also merges tables of the same name, and misreads a string whose closing quotation mark
-/// is missing. It therefore gets lines without comments and each list on one line; repeated tables
-/// and unclosed strings are refused before.
-class ConfigFile : public CLI::ConfigTOML {
+/// The options of a command in a file: those below the line [COMMAND].
+class ConfigFile : public CLI::Config {
  public:
-  ConfigFile() { commentChar = '\0'; }
+  explicit ConfigFile(const CLI::App& command) : command_(command) {}
 
   std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
-    std::string text(kMostBytes + 1, '\0');
+    // One byte more than parse_toml takes, of files that have no end.
+    std::string text((std::size_t{1} << 20) + 1, '\0');
     in.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(in.gcount()));
-    if (text.size() > kMostBytes) throw CLI::ConfigError("--config: the file is larger than 1 MiB");
-    std::istringstream lines(text);
-    std::stringstream plain;
-    std::string item;
-    std::set<std::string> tables;
-    int number = 0, begin = 0;
-    for (std::string line; std::getline(lines, line);) {
-      ++number;
-      if (item.empty()) begin = number;
-      const std::size_t begins = line.find_first_not_of(" \t");
-      if (begins == std::string::npos || line[begins] == ';') continue;  // empty, or a comment
-      const Found comment = find_outside_quotes(line, '#');
-      if (comment.at == std::string::npos && comment.in_quotes)
-        throw CLI::ConfigError(
-            fmt::format("--config: line {}: a quotation mark is not closed", number));
-      line.resize(std::min(line.size(), comment.at));
-      if (item.empty() && line[begins] == '[') {
-        const std::string table = name_of_table(line);
-        if (!tables.insert(table).second)
-          throw CLI::ConfigError(
-              fmt::format("--config: line {}: [{}] appears a second time; put all "
-                          "its options in the first one",
-                          number, table));
-      }
-      item += line;
-      if (is_open_list(item)) {
-        item += ' ';
-        continue;
-      }
-      plain << item << '\n';
-      item.clear();
+    const auto settings = parse_toml(text);
+    if (!settings) throw CLI::ConfigError("--config: " + settings.error().message);
+    std::vector<CLI::ConfigItem> items;
+    for (const TomlSetting& setting : *settings) {
+      if (const std::string fault = fault_of(setting); !fault.empty())
+        throw CLI::ConfigError(fmt::format("--config: line {}: {}", setting.line, fault));
+      // An empty list gives nothing, and CLI11 takes it for an option without its argument.
+      if (!setting.values.empty()) items.push_back({{setting.table}, setting.name, setting.values});
     }
-    if (!item.empty())
-      throw CLI::ConfigError(
-          fmt::format("--config: the list that begins in line {} has no end", begin));
-    return CLI::ConfigTOML::from_config(plain);
+    return items;
   }
+
+  std::string to_config(const CLI::App*, bool, bool, std::string) const override { return {}; }
 
  private:
-  static constexpr std::size_t kMostBytes = std::size_t{1} << 20;
-
-  struct Found {
-    std::size_t at = std::string::npos;
-    bool in_quotes = false;  ///< whether the text ends inside quotes
-  };
-  /// "[name]" and "[[name]]" are the same to CLI11.
-  static std::string name_of_table(const std::string& line) {
-    const std::size_t begin = line.find_first_not_of(" \t["), end = line.find_last_not_of(" \t\r]");
-    return begin == std::string::npos || end < begin ? "" : line.substr(begin, end + 1 - begin);
+  std::string fault_of(const TomlSetting& setting) const {
+    if (setting.table != command_.get_name())
+      return fmt::format("{} stands below no line [{}]", setting.name, command_.get_name());
+    const CLI::Option* option = command_.get_option_no_throw("--" + setting.name);
+    if (option == nullptr) option = command_.get_option_no_throw(setting.name);
+    if (option == nullptr) return fmt::format("{} has no option {}", setting.table, setting.name);
+    if ((option->get_items_expected_max() == 0) != setting.is_flag)
+      return setting.is_flag ? setting.name + " takes a value, not true or false"
+                             : setting.name + " is true or false";
+    return {};
   }
 
-  /// Where a text first has a character that is not in quotes.
-  static Found find_outside_quotes(const std::string& text, char wanted) {
-    char quote = '\0';
-    for (std::size_t i = 0; i < text.size(); ++i) {
-      const char c = text[i];
-      if (quote == '\0' && c == wanted) return {i};
-      if (quote == '"' && c == '\\') {
-        ++i;
-      } else if (quote != '\0') {
-        if (c == quote) quote = '\0';
-      } else if (c == '"' || c == '\'') {
-        quote = c;
-      }
-    }
-    return {std::string::npos, quote != '\0'};
-  }
-
-  static bool is_open_list(const std::string& item) {
-    const std::size_t equals = item.find('=');
-    const std::size_t value = item.find_first_not_of(" \t", equals + 1);
-    return equals != std::string::npos && value != std::string::npos && item[value] == '[' &&
-           find_outside_quotes(item.substr(value), ']').at == std::string::npos;
-  }
+  const CLI::App& command_;
 };
 
 }  // namespace
 
 Option Command::add_config(const std::string& names, const std::string& description) const {
   CLI::App& program = *app_->get_parent();
-  program.config_formatter(std::make_shared<ConfigFile>());
+  program.config_formatter(std::make_shared<ConfigFile>(*app_));
   for (CLI::App* app : {&program, app_}) app->allow_config_extras(CLI::config_extras_mode::error);
   app_->fallthrough();
   return Option(program.set_config(names, "", description));
@@ -474,45 +423,9 @@ void Program::add_common_options() {
 
 namespace {
 
-/// What is wrong with a line of a configuration file of which CLI11 could make nothing. The line
-/// may hold a token: nothing of it is said but the name before its "=".
-std::string fault_of_config(const CLI::App& app, const std::string& item) {
-  const CLI::Option* config = app.get_config_ptr();
-  std::ifstream in(config == nullptr || config->empty() ? "" : config->as<std::string>());
-  std::string line;
-  int first_without = 0;
-  for (int number = 1; std::getline(in, line); ++number) {
-    const auto begin = line.find_first_not_of(" \t\r");
-    if (begin == std::string::npos || line[begin] == '#' || line[begin] == ';') continue;
-    if (line[begin] == '[') {
-      const std::string section = line.substr(begin + 1, line.find(']') - begin - 1);
-      const auto is_it = [&](const CLI::App* command) { return command->get_name() == section; };
-      if (app.get_subcommands(is_it).empty())
-        return fmt::format("--config: line {} is not the name of a command, such as [serve]",
-                           number);
-      continue;
-    }
-    const auto equals = line.find('=');
-    if (equals == std::string::npos || equals == begin) {
-      if (first_without == 0) first_without = number;
-      continue;
-    }
-    const auto end = line.find_last_not_of(" \t\"'", equals - 1);
-    if (end == std::string::npos || end < begin) continue;
-    const std::string name = line.substr(begin, end - begin + 1);
-    if (item == name || item.ends_with("." + name))
-      return fmt::format("--config: line {}: there is no option {}", number, item);
-  }
-  return first_without == 0 ? "--config: a line is not NAME = VALUE"
-                            : fmt::format("--config: line {} is not NAME = VALUE", first_without);
-}
-
 /// What is wrong with a command line, in one line.
 std::string fault_of(const CLI::App& app, const CLI::Error& error) {
   const std::string what = error.what();
-  // CLI11's words for an option in a configuration file that it does not know.
-  constexpr std::string_view kUnknown = "INI was not able to parse ";
-  if (what.starts_with(kUnknown)) return fault_of_config(app, what.substr(kUnknown.size()));
   // It looks for a command before it says that a word is none.
   if (what != "A subcommand is required") return what;
   const std::vector<std::string> others = app.remaining(true);

@@ -288,8 +288,10 @@ Result<void> serve(const ServeArguments& arguments, const std::vector<std::strin
 
 namespace {
 
-/// Adds the command and its options, which write to `arguments`.
-cli::Command define_serve(cli::Command app, const std::shared_ptr<ServeArguments>& arguments) {
+/// Adds the command and its options, which write to `arguments`. `again`: while the server runs,
+/// and must not wait for whoever might write to a pipe.
+cli::Command define_serve(cli::Command app, const std::shared_ptr<ServeArguments>& arguments,
+                          bool again) {
   HttpServerOptions& options = arguments->options;
   const cli::Command command = app.add_subcommand(
       "serve",
@@ -301,11 +303,18 @@ cli::Command define_serve(cli::Command app, const std::shared_ptr<ServeArguments
       "the command line and this file are read again: packages, the view and publish tokens, and "
       "the certificate; tokens for relaying are read only at the start. Packages in a folder are "
       "found while it is served.");
-  command
-      .add_config(
-          "--config",
-          "Read a command's options from FILE (TOML): a line [COMMAND], then lines NAME = VALUE")
-      .type_name("FILE");
+  const cli::Option config = command
+                                 .add_config("--config",
+                                             "Read a command's options from FILE (TOML): a line "
+                                             "[COMMAND], then lines NAME = VALUE")
+                                 .type_name("FILE");
+  if (again) {
+    config.check({[](const std::string& file) -> std::string {
+      std::error_code error;
+      const bool is_file = std::filesystem::is_regular_file(file, error);
+      return is_file ? "" : file + " is not a file that can be read again";
+    }});
+  }
   command
       .add_option("reels", arguments->reels,
                   "the folders of packages; a folder that holds packages stands for all of them")
@@ -493,7 +502,7 @@ Result<ServeArguments> Rereading::parse_again(const std::vector<std::string>& co
   cli::Program app;
   app.add_common_options();
   const auto arguments = std::make_shared<ServeArguments>();
-  define_serve(app, arguments);
+  define_serve(app, arguments, true);
   TRY(app.parse(command_line));
   TRY(options_of(*arguments));  // while their options exist
   return *arguments;
@@ -505,7 +514,7 @@ void add_serve_command(cli::Command app, int& exit_code, std::vector<std::string
                        std::span<const PageFile> page) {
   const auto arguments = std::make_shared<ServeArguments>();
   arguments->page = page;
-  const cli::Command command = define_serve(app, arguments);
+  const cli::Command command = define_serve(app, arguments, false);
   command.callback([arguments, &exit_code, command_line = std::move(command_line)] {
     const auto served = serve(*arguments, command_line);
     if (served) return;

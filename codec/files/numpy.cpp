@@ -124,8 +124,10 @@ struct NumpyTable {
   bool structured() const {
     return header.columns.size() > 1 || !header.columns.front().name.empty();
   }
+  /// Few rows of many numbers are x, y and z of points that stand in columns.
+  bool is_transposed() const { return rows <= 4 && columns > 16; }
   bool may_be_positions() const {
-    return !structured() && columns >= 3 && header.columns.front().readable;
+    return !structured() && columns >= 3 && !is_transposed() && header.columns.front().readable;
   }
   std::string text() const { return concat(printable_name(name), " ", header.shape_text()); }
 };

@@ -201,6 +201,8 @@ TEST(Numpy, what_is_no_cloud_is_told) {
             "has no array of positions, of the shape (N, 3) and called positions, points or xyz: "
             "it has positions (1000, 2, 3)");
   EXPECT_THAT(error_of(npy("|O", "(2, 3)", kTwo)), HasSubstr("no array of positions"));
+  EXPECT_THAT(error_of(npy("<f4", "(3, 17)", std::vector<float>(51))),
+              HasSubstr("it has positions (3, 17)"));
   EXPECT_THAT(error_of(npz({{"a", npy("<f4", "(2, 3)", kTwo)}, {"b", npy("<f4", "(2, 3)", kTwo)}})),
               HasSubstr("it has a (2, 3), b (2, 3)"));
   // With one field of objects, numpy pickles all.

@@ -16,6 +16,17 @@ std::uint32_t Timeline::frame_at(std::uint64_t time_us) const {
   return after == times_us.begin() ? 0 : static_cast<std::uint32_t>(after - times_us.begin() - 1);
 }
 
+std::uint32_t Timeline::shown_number(std::uint64_t time_us) const {
+  const std::uint32_t frame = frame_at(time_us);
+  if (shown.empty()) return frame + 1;
+  const auto after = std::upper_bound(shown.begin(), shown.end(), frame);
+  return std::max<std::uint32_t>(1, static_cast<std::uint32_t>(after - shown.begin()));
+}
+
+std::uint32_t Timeline::shown_count() const {
+  return shown.empty() ? frame_count() : static_cast<std::uint32_t>(shown.size());
+}
+
 Clock::Clock(Timeline timeline, bool loop) : timeline_(std::move(timeline)), loop_(loop) {}
 
 bool Clock::before_far_end() const {

@@ -14,10 +14,14 @@ namespace pointreel {
 struct Timeline {
   std::vector<std::uint64_t> times_us;
   std::uint64_t duration_us = 0;
+  std::vector<std::uint32_t> shown = {};  ///< the frames that are ever shown; empty if all are
 
   std::uint32_t frame_count() const { return static_cast<std::uint32_t>(times_us.size()); }
   /// The last frame that begins at or before `time_us`; the first if there is none.
   std::uint32_t frame_at(std::uint64_t time_us) const;
+  /// Which of the frames that are shown that of a time is, from 1 on; and how many they are.
+  std::uint32_t shown_number(std::uint64_t time_us) const;
+  std::uint32_t shown_count() const;
 };
 
 /// A part that is played again and again: from a_us until b_us is reached.

@@ -18,6 +18,7 @@ Timeline timeline_of(const Manifest& manifest) {
     timeline.times_us.insert(timeline.times_us.end(), segment.times_us.begin(),
                              segment.times_us.end());
   timeline.duration_us = std::max<std::uint64_t>(manifest.duration_us, 1);
+  timeline.shown = shown_frames(manifest);
   return timeline;
 }
 

@@ -246,7 +246,7 @@ std::string Controls::time_text(Now now) const {
   const Timeline& timeline = reel_->timeline();
   const std::uint64_t at = reel_->position_us(now);
   return fmt::format("{} / {}   frame {} of {}", format_time(at), format_time(timeline.duration_us),
-                     timeline.frame_at(at) + 1, timeline.frame_count());
+                     timeline.shown_number(at), timeline.shown_count());
 }
 
 void Controls::seek_by(std::int64_t us, Now now) {

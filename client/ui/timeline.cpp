@@ -163,7 +163,7 @@ void draw_hover(std::uint64_t time_us, const TimelineView& view, float x, float 
                 const std::optional<Thumbnail>& thumbnail, float width, float scale) {
   const std::string text =
       fmt::format("{}   frame {}", format_time(std::min(time_us, view.duration_us)),
-                  view.timeline->frame_at(time_us) + 1);
+                  view.timeline->shown_number(time_us));
   const ImVec2 words = ImGui::CalcTextSize(text.c_str());
   const float pad = 5.0f * scale;
   const float picture_x = thumbnail ? static_cast<float>(thumbnail->size.x) * scale : 0.0f;
@@ -226,7 +226,7 @@ class Bar {
     std::vector<std::string> parts = {view_.playing ? "live" : "live, paused"};
     if (!view_.live) {
       parts = {format_time(view_.position_us), " / " + format_time(view_.duration_us),
-               fmt::format("    frame {} / {}", view_.frame + 1, view_.frames)};
+               fmt::format("    frame {} / {}", view_.frame, view_.frames)};
       if (std::abs(view_.speed - 1.0) > 1e-3)
         parts.push_back(fmt::format("    {:.2f}x", view_.speed));
       if (view_.waiting) parts.push_back("    buffering");

@@ -26,7 +26,7 @@ struct TimelineView {
     float share = 0.0f;
   };
   std::uint64_t duration_us = 1, position_us = 0;
-  std::uint32_t frame = 0, frames = 1;
+  std::uint32_t frame = 1, frames = 1;  ///< of those that are shown
   std::vector<Buffered> buffered;
   std::optional<std::uint64_t> loop_a_us, loop_b_us;
   bool loop = false, waiting = false;

@@ -20,8 +20,8 @@ TimelineView timeline_view(const Controls& controls, Controls::Now now) {
   view.timeline = &timeline;
   view.duration_us = timeline.duration_us;
   view.position_us = reel.position_us(now);
-  view.frame = timeline.frame_at(view.position_us);
-  view.frames = timeline.frame_count();
+  view.frame = timeline.shown_number(view.position_us);
+  view.frames = timeline.shown_count();
   const std::size_t layers = std::max<std::size_t>(1, reel.manifest().layer_names.size());
   for (const BufferedRange& part : reel.buffered())
     view.buffered.push_back(

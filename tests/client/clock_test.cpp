@@ -34,6 +34,9 @@ TEST(Timeline, gives_the_first_frame_for_times_before_it) {
 
 TEST(Timeline, gives_the_last_of_several_frames_at_the_same_time) {
   EXPECT_EQ((Timeline{{0, 50, 50, 90}, 100}.frame_at(50)), 2u);
+  EXPECT_EQ((Timeline{{0, 50, 50, 90}, 100}.shown_number(50)), 3u);
+  EXPECT_EQ((Timeline{{0, 50, 50, 90}, 100, {0, 2, 3}}.shown_number(50)), 2u);
+  EXPECT_EQ((Timeline{{0, 50, 50, 90}, 100, {0, 2, 3}}.shown_count()), 3u);
 }
 
 TEST(Clock, stays_at_the_start_until_it_plays) {

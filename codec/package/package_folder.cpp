@@ -68,7 +68,8 @@ bool is_sound(std::string_view name) {
 
 }  // namespace
 
-std::string default_reel_name(const fs::path& output) {
+std::string reel_name(const std::string& given, const fs::path& output) {
+  if (!given.empty()) return given;
   const fs::path normal = fs::absolute(output).lexically_normal();
   const fs::path last = normal.has_filename() ? normal.filename() : normal.parent_path().filename();
   return visible(last.extension() == ".reel" ? last.stem().string() : last.string());

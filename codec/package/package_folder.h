@@ -10,8 +10,8 @@
 /// The folder that a package is written to.
 namespace pointreel {
 
-/// The name of a reel that was given none: that of its folder, without ".reel".
-std::string default_reel_name(const std::filesystem::path& output);
+/// The name that a reel was given or, if that is empty, that of its folder, without ".reel".
+std::string reel_name(const std::string& given, const std::filesystem::path& output);
 
 /// OutputFolder::MayReplace for packages: those are replaced, but nothing else that someone may
 /// have put there.

@@ -46,7 +46,7 @@ class PackageWriter::Impl {
  public:
   Impl(const PackOptions& options, OutputFolder folder)
       : options_(options), folder_(std::move(folder)) {
-    if (options_.name.empty()) options_.name = default_reel_name(options.output);
+    options_.name = reel_name(options.name, options.output);
     static_cast<ReelHead&>(manifest_) = head_of(options_);
   }
 

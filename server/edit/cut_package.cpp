@@ -128,7 +128,7 @@ Result<CutReport> cut_package(const CutOptions& options, const std::stop_token& 
   const CutRange wanted = TRY(at_place(options.input.shown(), frames_of(options, manifest)));
   const Cut cut = cut_at(options, manifest, wanted);
   Manifest kept = keep(manifest, cut);
-  kept.name = options.name.empty() ? default_reel_name(options.output) : options.name;
+  kept.name = reel_name(options.name, options.output);
   if (kept.duration_us == 0) {
     return fail(ErrorCode::argument,
                 fmt::format("{}: of frames {} none is shown: they only serve to decode others",

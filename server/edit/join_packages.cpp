@@ -120,7 +120,7 @@ Result<std::optional<AudioFile>> join_sound(const JoinOptions& options,
 Result<JoinedPackages> join_packages(const JoinOptions& options, const std::stop_token& stop) {
   Whole whole = TRY(read_all(options));
   Manifest& manifest = whole.manifest;
-  manifest.name = options.name.empty() ? default_reel_name(options.output) : options.name;
+  manifest.name = reel_name(options.name, options.output);
   OutputFolder folder = TRY(OutputFolder::create(
       options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));
   std::size_t segment = 0;

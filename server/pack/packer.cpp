@@ -52,7 +52,7 @@ class Packer {
         sequence_(sequence),
         files_(sequence_.frames),
         trial_(trial) {
-    if (options_.name.empty()) options_.name = default_reel_name(options.output);
+    options_.name = reel_name(options.name, options.output);
     if (options_.up_of_files) options_.up = up_of_frame(files_.front()).value_or(options_.up);
     manifest_ = begin_manifest(options_, sequence_);
     output_ = {folder, manifest_.layer_names, listener.frame_done, listener.stop, {}};

@@ -212,7 +212,7 @@ Result<MadePlan> make_plan(const PackOptions& asked, std::vector<std::string> ar
                 "would not fit together; leave it out");
   }
   PackOptions options = asked;
-  if (options.name.empty()) options.name = default_reel_name(options.output);
+  options.name = reel_name(options.name, options.output);
   CloudSequence sequence = TRY(list_cloud_frames(options.inputs, options.listing(stop)));
   if (options.keep_gaps) sequence.keep_gaps(options.fps);
   if (!options.audio) warn_of_unpacked_audio(options.inputs, sequence.warnings);

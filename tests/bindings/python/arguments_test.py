@@ -46,6 +46,7 @@ class Arguments(TemporaryFolder):
                 ("layers is at least 1", lambda: pointreel.open("/nowhere", layers=0)),
                 ("ahead is at least 0", lambda: pointreel.open("/nowhere", ahead=-1)),
                 ("size is the width", lambda: pointreel.render(lattice(), size=640)),
+                ("width is too large", lambda: pointreel.render(lattice(), size=(2**31, 1))),
                 ("target is one of feet", lambda: pointreel.render(lattice(), target="nose")),
                 ("view is one of front", lambda: pointreel.render(lattice(), view="above")),
                 ("view is yaw and pitch", lambda: pointreel.render(lattice(), view=(1, 2, 3))),

@@ -643,6 +643,7 @@ def render(frame: Any, *, size: Tuple[int, int] = (1280, 720), mode: str = "surf
         width, rows = map(operator.index, size)
     except (TypeError, ValueError):
         raise ValueError("size is the width and the height in pixels") from None
+    _check_counts(width=width, height=rows)
     angles = None
     if view is not None:
         angles = tuple(map(float, _named("view", view, _native.views) if isinstance(view, str) else view))

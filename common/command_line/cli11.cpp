@@ -313,14 +313,14 @@ class ConfigFile : public CLI::Config {
     text.resize(static_cast<std::size_t>(in.gcount()));
     const auto settings = parse_toml(text);
     if (!settings) throw CLI::ConfigError("--config: " + settings.error().message);
-    std::vector<CLI::ConfigItem> items;
+    std::vector<CLI::ConfigItem> given;
     for (const TomlSetting& setting : *settings) {
       if (const std::string fault = fault_of(setting); !fault.empty())
         throw CLI::ConfigError(fmt::format("--config: line {}: {}", setting.line, fault));
       // An empty list gives nothing, and CLI11 takes it for an option without its argument.
-      if (!setting.values.empty()) items.push_back({{setting.table}, setting.name, setting.values});
+      if (!setting.values.empty()) given.push_back({{setting.table}, setting.name, setting.values});
     }
-    return items;
+    return given;
   }
 
   std::string to_config(const CLI::App*, bool, bool, std::string) const override { return {}; }

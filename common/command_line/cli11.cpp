@@ -1,5 +1,6 @@
 // The only file that includes CLI11: what command.h and check.h declare, and --help.
 
+#include <algorithm>
 #include <csignal>
 #include <cstdint>
 #include <exception>
@@ -185,6 +186,38 @@ void add_entries(std::vector<CommandEntry>& all, const CLI::App& app,
   for (const CLI::App* subcommand : below) add_entries(all, *subcommand, path);
 }
 
+/// CLI11 takes "[a,b]" for two values, and "[a]" for "a", where an option takes several; but a
+/// folder may have such a name. This character before the bracket keeps CLI11 from it until the
+/// value is checked.
+constexpr char kShield = '\x01';
+
+/// An argument of a command line.
+std::string shielded(std::string argument) {
+  std::size_t value = 0;
+  if (argument.starts_with('-')) {
+    value = argument.find('=') + 1;  // 0 if there is none
+    if (value == 0) value = argument.starts_with("--") ? argument.size() : 2;
+  }
+  if (value < argument.size() && (argument[value] == '[' || argument[value] == kShield))
+    argument.insert(value, 1, kShield);
+  return argument;
+}
+
+std::vector<std::string> shielded(const std::vector<std::string>& arguments) {
+  std::vector<std::string> all;
+  for (const std::string& argument : arguments) all.push_back(shielded(argument));
+  return all;
+}
+
+/// An option whose values are those that were given.
+Option unshielded(CLI::Option* option) {
+  const auto take_away = [](std::string& value) {
+    if (value.starts_with(kShield)) value.erase(0, 1);
+    return std::string();
+  };
+  return Option(option->transform(CLI::Validator(take_away, "")));
+}
+
 template <class Object>
 std::vector<Command> handles_of(const std::vector<Object*>& apps) {
   return {apps.begin(), apps.end()};
@@ -249,7 +282,7 @@ bool Option::is_flag() const { return option_->get_items_expected_max() == 0; }
 template <class T>
 Option Command::add_option(const std::string& names, T& value,
                            const std::string& description) const {
-  return Option(app_->add_option(names, value, description));
+  return unshielded(app_->add_option(names, value, description));
 }
 
 using Words = std::vector<std::string>;
@@ -274,7 +307,7 @@ template <class T>
 Option Command::add_option_function(const std::string& names,
                                     const std::function<void(const T&)>& set,
                                     const std::string& description) const {
-  return Option(app_->add_option_function(names, set, description));
+  return unshielded(app_->add_option_function(names, set, description));
 }
 
 template Option Command::add_option_function(Text, const std::function<void(const int&)>&,
@@ -287,7 +320,7 @@ template Option Command::add_option_function(Text, const std::function<void(cons
                                              Text) const;
 
 Option Command::add_option(const std::string& names) const {
-  return Option(app_->add_option(names));
+  return unshielded(app_->add_option(names));
 }
 Option Command::add_flag(const std::string& names, bool& value,
                          const std::string& description) const {
@@ -318,7 +351,8 @@ class ConfigFile : public CLI::Config {
       if (const std::string fault = fault_of(setting); !fault.empty())
         throw CLI::ConfigError(fmt::format("--config: line {}: {}", setting.line, fault));
       // An empty list gives nothing, and CLI11 takes it for an option without its argument.
-      if (!setting.values.empty()) given.push_back({{setting.table}, setting.name, setting.values});
+      if (!setting.values.empty())
+        given.push_back({{setting.table}, setting.name, shielded(setting.values)});
     }
     return given;
   }
@@ -328,7 +362,7 @@ class ConfigFile : public CLI::Config {
  private:
   std::string fault_of(const TomlSetting& setting) const {
     if (setting.table != command_.get_name())
-      return fmt::format("{} stands below no line [{}]", setting.name, command_.get_name());
+      return fmt::format("this stands below no line [{}]", command_.get_name());
     const CLI::Option* option = command_.get_option_no_throw("--" + setting.name);
     if (option == nullptr) option = command_.get_option_no_throw(setting.name);
     if (option == nullptr) return fmt::format("{} has no option {}", setting.table, setting.name);
@@ -348,7 +382,7 @@ Option Command::add_config(const std::string& names, const std::string& descript
   program.config_formatter(std::make_shared<ConfigFile>(*app_));
   for (CLI::App* app : {&program, app_}) app->allow_config_extras(CLI::config_extras_mode::error);
   app_->fallthrough();
-  return Option(program.set_config(names, "", description));
+  return unshielded(program.set_config(names, "", description));
 }
 
 Command Command::add_subcommand(const std::string& name, const std::string& description) const {
@@ -425,19 +459,22 @@ namespace {
 
 /// What is wrong with a command line, in one line.
 std::string fault_of(const CLI::App& app, const CLI::Error& error) {
-  const std::string what = error.what();
+  std::string what = error.what();
+  std::erase(what, kShield);
   // It looks for a command before it says that a word is none.
   if (what != "A subcommand is required") return what;
   const std::vector<std::string> others = app.remaining(true);
   if (others.empty()) return "a command is missing";
   return fmt::format("there is no {} \"{}\"", others[0].starts_with('-') ? "option" : "command",
-                     others[0]);
+                     others[0].substr(others[0].starts_with(kShield) ? 1 : 0));
 }
 
 }  // namespace
 
 Result<void> Program::parse(const std::vector<std::string>& arguments) try {
-  app_->parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  std::vector<std::string> last_first = shielded(arguments);
+  std::reverse(last_first.begin(), last_first.end());  // as CLI11 takes them
+  app_->parse(std::move(last_first));
   return {};
 } catch (const CLI::Error& error) {
   return fail(ErrorCode::argument, fault_of(*app_, error));
@@ -447,7 +484,9 @@ std::optional<int> Program::parse(int argc, const char* const* argv) {
   // A file that exceeds a limit of the system (ulimit -f) is then reported like a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   try {
-    app_->parse(argc, argv);
+    std::vector<std::string> last_first;
+    for (int i = argc - 1; i > 0; --i) last_first.push_back(shielded(argv[i]));
+    app_->parse(std::move(last_first));
     return std::nullopt;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0 || error.get_name() == "RuntimeError") return app_->exit(error);

@@ -13,6 +13,8 @@ namespace pointreel::cli {
 namespace {
 
 constexpr std::size_t kMostBytes = std::size_t{1} << 20;
+/// In a line, and so in a key: toml++ makes a table of each part, and ends them by recursion.
+constexpr int kMostDots = 1000;
 
 auto fail_in(int line, const char* what) {
   return fail(ErrorCode::argument, fmt::format("line {}: {}", line, what));
@@ -45,6 +47,18 @@ Result<TomlSetting> setting_of(std::string_view table, const toml::key& key,
   return setting;
 }
 
+/// The first line with too many dots; 0 if there is none.
+int crowded_line(std::string_view text) {
+  int line = 1, dots = 0;
+  for (const char letter : text) {
+    if (letter == '.' && ++dots > kMostDots) return line;
+    if (letter != '\n') continue;
+    ++line;
+    dots = 0;
+  }
+  return 0;
+}
+
 Result<std::vector<TomlSetting>> settings_in(const toml::table& file) {
   std::vector<TomlSetting> settings;
   for (const auto& [key, node] : file) {
@@ -62,6 +76,7 @@ Result<std::vector<TomlSetting>> settings_in(const toml::table& file) {
 
 Result<std::vector<TomlSetting>> parse_toml(std::string_view text) {
   if (text.size() > kMostBytes) return fail(ErrorCode::limit, "the file is larger than 1 MiB");
+  if (const int line = crowded_line(text)) return fail_in(line, "this has too many dots");
   try {
     return settings_in(toml::parse(text));
   } catch (const toml::parse_error& error) {

@@ -11,6 +11,7 @@ namespace pointreel::command_line_test {
 namespace {
 
 using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -56,6 +57,23 @@ TEST_F(CommandLine, lists_options_that_may_stand_without_their_names_as_argument
   const std::string help = send_.help();
   EXPECT_THAT(help, HasSubstr("Arguments:\n  THING                   The same as --input\n"));
   EXPECT_THAT(help, HasSubstr("  -i, --input THING"));
+}
+
+/// CLI11 takes brackets around the values of options that take several for a list.
+TEST_F(CommandLine, takes_brackets_for_a_part_of_a_value) {
+  std::vector<std::string> things, names;
+  std::string one;
+  const cli::Command keep = program_.add_subcommand("keep", "Keep things");
+  keep.add_option("THINGS", things, "what to keep");
+  keep.add_option("-n,--name", names, "their names").allow_extra_args(false);
+  keep.add_option("-o,--one", one, "where");
+  ASSERT_EQ(fault_of({"keep", "[a,b]", "[c]", "\x01[d]", "-n[e]", "--name=[f]", "--name", "[g,h]",
+                      "-o", "[i]"}),
+            "");
+  EXPECT_THAT(things, ElementsAre("[a,b]", "[c]", "\x01[d]"));
+  EXPECT_THAT(names, ElementsAre("[e]", "[f]", "[g,h]"));
+  EXPECT_EQ(one, "[i]");
+  EXPECT_EQ(fault_of({"[frobnicate]"}), "there is no command \"[frobnicate]\"");
 }
 
 TEST_F(CommandLine, prints_all_help_of_commands_that_have_no_more_than_help) {

@@ -323,8 +323,8 @@ TEST_F(ServeCommandTest, says_nothing_of_tokens_in_a_configuration_file_that_it_
         {"[serve]\nview-token = \"SECRET\"\n# don't\n [serve] # again\nview-token = \"SECRET\"\n",
          "line 4: this table or name is set a second time"},
         {"[serve]\nview-token = 2000-01-01\n", "line 2: a value is text in quotes"},
-        {"view-token = \"SECRET\"\n", "line 1: view-token stands below no line [serve]"},
-        {"[Serve]\nview-token = \"SECRET\"\n", "line 2: view-token stands below no line [serve]"},
+        {"view-token = \"SECRET\"\n", "line 1: this stands below no line [serve]"},
+        {"[Serve]\nview-token = \"SECRET\"\n", "line 2: this stands below no line [serve]"},
         {"[serve]\nlive = 5\n", "line 2: live is true or false"},
         {"[serve]\nview-token = true\n", "line 2: view-token takes a value, not true or false"},
         {"[serve]\nview-tokn = \"SECRET\"\n", "line 2: serve has no option view-tokn"}}) {
@@ -332,6 +332,13 @@ TEST_F(ServeCommandTest, says_nothing_of_tokens_in_a_configuration_file_that_it_
     const std::string failure = failure_of({reel_.string(), "--config", config.string()});
     EXPECT_THAT(failure, HasSubstr(said)) << text;
     EXPECT_THAT(failure, testing::Not(HasSubstr("SECRET")));
+  }
+  std::string deep;
+  for (int i = 0; i < 100'000; ++i) deep += "a.";
+  for (const std::string& line : {deep + "a = 1", "[" + deep + "a]"}) {
+    std::ofstream(config) << "[serve]\n" << line << "\n";
+    EXPECT_THAT(failure_of({reel_.string(), "--config", config.string()}),
+                HasSubstr("--config: line 2: this has too many dots"));
   }
   EXPECT_THAT(failure_of({reel_.string(), "--config", "/dev/zero"}),
               HasSubstr("--config: the file is larger than 1 MiB"));

@@ -12,7 +12,7 @@ template <class Visit>
 inline void each_triangle(std::span<const std::uint32_t> indices, const Visit& visit) {
   const std::uint32_t* at = indices.data();
   const std::uint32_t* const end = at + indices.size();
-  while (at + 2 < end) {
+  while (end - at > 2) {
     std::uint32_t a = *at++, b = *at++;
     for (bool turned = false; *at != kEndOfStrip; turned = !turned) {
       const std::uint32_t c = *at++;

@@ -39,7 +39,7 @@ POINTREEL_INLINE LaneVec turned(const glm::mat3& by, const LaneVec& v) {
 }
 /// Points, transformed by an affine matrix.
 POINTREEL_INLINE LaneVec moved(const glm::mat4& by, const LaneVec& v) {
-  const auto row = [&](int i) {
+  const auto row = [&](int i) POINTREEL_INLINED {
     return (by[0][i] * v.x + by[1][i] * v.y) + (by[2][i] * v.z + by[3][i]);
   };
   return {row(0), row(1), row(2)};

@@ -7,8 +7,10 @@
 namespace pointreel {
 
 /// Kernels are compiled once for every processor and once for those with AVX2. Everything that they
-/// call must be inlined to be compiled for the right one.
+/// call must be inlined to be compiled for the right one: the two return Lanes in different
+/// registers. The second form is for lambdas, before their braces.
 #define POINTREEL_INLINE [[gnu::always_inline]] inline
+#define POINTREEL_INLINED __attribute__((always_inline))
 #if defined(__x86_64__)
 #define POINTREEL_AVX2 __attribute__((target("avx2")))
 #else

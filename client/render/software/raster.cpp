@@ -141,7 +141,7 @@ POINTREEL_INLINE glm::vec3 normal_of(const DiscSplat& splat) { return splat.norm
 template <bool kNormals>
 POINTREEL_INLINE void draw_sum(const SplatBlock& block, int tile, const PictureView& view,
                                SplatTile& to) {
-  const auto add = [](float* plane, const Lanes& value) {
+  const auto add = [](float* plane, const Lanes& value) POINTREEL_INLINED {
     Lanes sum;
     load(sum, plane);
     store(plane, sum + value);
@@ -170,7 +170,7 @@ POINTREEL_INLINE void draw_sum(const SplatBlock& block, int tile, const PictureV
 
 POINTREEL_INLINE void draw_blend(const SplatBlock& block, int tile, const PictureView& view,
                                  BlendDepth how, SplatTile& to) {
-  const auto mix = [](float* plane, const Lanes& opacity, const Lanes& value) {
+  const auto mix = [](float* plane, const Lanes& opacity, const Lanes& value) POINTREEL_INLINED {
     Lanes old;
     load(old, plane);
     store(plane, old + opacity * (value - old));

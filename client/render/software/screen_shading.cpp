@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "client/render/software/bounded.h"
 #include "client/render/software/lane_vectors.h"
 #include "client/render/software/shadow_light.h"
 #include "common/base/for_each.h"
@@ -29,7 +30,7 @@ glm::vec3 pixel_ray(const PictureView& view, int x, int y) {
 POINTREEL_INLINE LaneVec rays_of(const PictureView& view, int x, int y) {
   const Lanes middle_x = kIota + (static_cast<float>(x) + 0.5f);
   const float middle_y = static_cast<float>(y) + 0.5f;
-  const auto ray = [&](int axis) {
+  const auto ray = [&](int axis) POINTREEL_INLINED {
     return view.ray_corner[axis] + middle_x * view.ray_x[axis] + middle_y * view.ray_y[axis];
   };
   return {ray(0), ray(1), ray(2)};
@@ -60,7 +61,7 @@ POINTREEL_INLINE LaneVec diffuse_light(const ShadingView& s, const LaneVec& n) {
   const auto& c = s.diffuse;
   const Lanes xy = n.x * n.y, yz = n.y * n.z, up = 3.0f * n.z * n.z - 1.0f, xz = n.x * n.z,
               across = n.x * n.x - n.y * n.y;
-  const auto sum = [&](int i) {
+  const auto sum = [&](int i) POINTREEL_INLINED {
     return max_of(c[0][i] + c[1][i] * n.y + c[2][i] * n.z + c[3][i] * n.x + c[4][i] * xy +
                       c[5][i] * yz + c[6][i] * up + c[7][i] * xz + c[8][i] * across,
                   Lanes{});
@@ -71,8 +72,9 @@ POINTREEL_INLINE LaneVec diffuse_light(const ShadingView& s, const LaneVec& n) {
 /// LightProbe::glossy in eight directions.
 POINTREEL_INLINE LaneVec glossy_light(const LightProbe& probe, const LaneVec& d) {
   constexpr int kEdge = LightProbe::kGlossyEdge, kStride = kEdge + 2;
-  const auto size_of = [](const Lanes& v) { return max_of(v, -v); };
-  const auto sign_of = [](const Lanes& v) { return v < 0.0f ? Lanes{} - 1.0f : Lanes{} + 1.0f; };
+  const auto size_of = [](const Lanes& v) POINTREEL_INLINED { return max_of(v, -v); };
+  const auto sign_of = [](const Lanes& v)
+                           POINTREEL_INLINED { return v < 0.0f ? Lanes{} - 1.0f : Lanes{} + 1.0f; };
   const Lanes scale = 1.0f / (size_of(d.x) + size_of(d.y) + size_of(d.z));
   const Lanes up_x = scale * d.x, up_y = scale * d.z;
   const Lanes p_x = d.y < 0.0f ? sign_of(up_x) * (1.0f - size_of(up_y)) : up_x,
@@ -82,8 +84,8 @@ POINTREEL_INLINE LaneVec glossy_light(const LightProbe& probe, const LaneVec& d)
               at_y = (0.5f * p_y + 0.5f) * static_cast<float>(kEdge) + 0.5f;
   LaneVec light{};
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const int x = std::clamp(static_cast<int>(at_x[lane]), 0, kEdge),
-              y = std::clamp(static_cast<int>(at_y[lane]), 0, kEdge);
+    const int x = static_cast<int>(bounded(at_x[lane], 0.0f, kEdge)),
+              y = static_cast<int>(bounded(at_y[lane], 0.0f, kEdge));
     const float share_x = at_x[lane] - static_cast<float>(x),
                 share_y = at_y[lane] - static_cast<float>(y);
     const glm::vec3 *low = &probe.glossy[static_cast<std::size_t>(y * kStride + x)],
@@ -98,7 +100,7 @@ POINTREEL_INLINE LaneVec glossy_light(const LightProbe& probe, const LaneVec& d)
 /// Between colours that are at the same distance from each other; linear light.
 template <std::size_t kCount>
 glm::vec3 ramp(const glm::vec3 (&colors)[kCount], float share) {
-  const float at = std::clamp(share, 0.0f, 1.0f) * static_cast<float>(kCount - 1);
+  const float at = bounded(share, 0.0f, 1.0f) * static_cast<float>(kCount - 1);
   const std::size_t first = std::min(static_cast<std::size_t>(at), kCount - 2);
   return glm::mix(colors[first], colors[first + 1], at - static_cast<float>(first));
 }
@@ -225,7 +227,7 @@ POINTREEL_INLINE float light_taken(const Looking& from, const Taps& taps, const 
                 middle_y = __builtin_convertvector(y, Lanes) + 0.5f;
     const LaneMask shown = inside & (there > 0.0f);
     const Lanes w = from.near / (shown ? there : Lanes{} + 1.0f);
-    const auto away = [&](int axis) {
+    const auto away = [&](int axis) POINTREEL_INLINED {
       return w * (corner[axis] + middle_x * step_x[axis] + middle_y * step_y[axis]) -
              from.place[axis];
     };
@@ -274,7 +276,8 @@ struct PixelRow {
 POINTREEL_INLINE void find_surroundings(const ShadingCells& cells, int x, int y, const Lanes& depth,
                                         PixelRow& row) {
   Lanes open{}, bend{}, weights{};
-  const auto add = [&](const Lanes& cell_depth, const Lanes& cell_open, const Lanes& cell_bend) {
+  const auto add = [&](const Lanes& cell_depth, const Lanes& cell_open,
+                       const Lanes& cell_bend) POINTREEL_INLINED {
     const Lanes apart = cell_depth - depth;
     const Lanes weight = max_of(apart, -apart) < 0.02f * depth ? Lanes{} + 1.0f : Lanes{} + 1e-3f;
     open += weight * cell_open;
@@ -282,10 +285,10 @@ POINTREEL_INLINE void find_surroundings(const ShadingCells& cells, int x, int y,
     weights += weight;
   };
   // The cell of each pixel, and its neighbours on the side of the pixel.
-  const auto own = [](const Lanes& from_left) {
+  const auto own = [](const Lanes& from_left) POINTREEL_INLINED {
     return __builtin_shufflevector(from_left, from_left, 1, 1, 2, 2, 3, 3, 4, 4);
   };
-  const auto beside = [](const Lanes& from_left) {
+  const auto beside = [](const Lanes& from_left) POINTREEL_INLINED {
     return __builtin_shufflevector(from_left, from_left, 0, 2, 1, 3, 2, 4, 3, 5);
   };
   for (const int row_of_cells : {y, (y & 1) != 0 ? y + 2 : y - 2}) {

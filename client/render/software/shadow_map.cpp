@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "client/render/shading.h"
+#include "client/render/software/bounded.h"
 #include "common/base/for_each.h"
 
 namespace pointreel {
@@ -50,7 +51,7 @@ void ShadowMap::draw(std::span<const Instance> instances, const glm::mat4& to_sh
       // As OpenGL draws points: squares of at least one texel.
       const float half = std::max(0.5f, scale * one.radius);
       const auto first = [edge](float v) {
-        return static_cast<int>(std::ceil(std::clamp(v - 0.5f, 0.0f, edge)));
+        return static_cast<int>(std::ceil(bounded(v - 0.5f, 0.0f, edge)));
       };
       const int x0 = first(edge * at.x - half), x1 = first(edge * at.x + half),
                 y0 = first(edge * at.y - half), y1 = first(edge * at.y + half);

@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 
 #include "client/render/instance.h"
+#include "client/render/software/bounded.h"
 #include "client/render/software/tile.h"
 #include "client/render/view.h"
 #include "pointreel/executor.h"
@@ -30,9 +31,11 @@ struct alignas(64) EllipseSplat {
 };
 static_assert(sizeof(EllipseSplat) == 64);
 
-/// A unit vector in 30 bits.
+/// A unit vector in 30 bits. What is not a number becomes some direction.
 inline std::uint32_t pack_normal(float x, float y, float z) {
-  const auto bits = [](float v) { return static_cast<std::uint32_t>(511.0f * v + 512.5f) & 1023u; };
+  const auto bits = [](float v) {
+    return static_cast<std::uint32_t>(bounded(511.0f * v + 512.5f, 0.0f, 1023.0f));
+  };
   return bits(x) | bits(y) << 10 | bits(z) << 20;
 }
 inline glm::vec3 unpack_normal(std::uint32_t packed) {

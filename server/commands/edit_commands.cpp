@@ -133,7 +133,7 @@ void add_cut_command(cli::Command app, int& exit_code) {
   command
       .add_option("--frames", a->frames,
                   "instead of times: keep frames A to B, including both, or only frame A, "
-                  "numbered from 0")
+                  "numbered from 0 among those that are shown")
       .type_name("A-B")
       .excludes(from)
       .excludes(until)

@@ -360,7 +360,8 @@ void add_unpack_command(cli::Command app, int& exit_code) {
           .check(cli::range(1, 255));
   unpack
       .add_option("--frames", a->frames,
-                  "decode only frames A to B, including both, or only frame A, numbered from 0")
+                  "decode only frames A to B, including both, or only frame A, numbered from 0 "
+                  "among those that are shown")
       .type_name("A-B");
   add_frame_memory_option(unpack, a->frame_memory);
   a->access.add_to(unpack);

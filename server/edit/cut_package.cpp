@@ -24,14 +24,14 @@ std::string seconds_text(std::uint64_t us) {
 }
 
 Result<CutRange> frames_of(const CutOptions& options, const Manifest& manifest) {
-  const std::uint32_t count = manifest.frame_count();
-  if (count == 0) return fail(ErrorCode::argument, "has no frames");
+  const std::vector<std::uint32_t> shown = shown_frames(manifest);
+  if (shown.empty()) return fail(ErrorCode::argument, "has no frames");
   if (options.frames) {
-    if (options.frames->last >= count) {
+    if (options.frames->last >= shown.size()) {
       return fail(ErrorCode::argument, fmt::format("has no frame {}, only frames 0 to {}",
-                                                   options.frames->last, count - 1));
+                                                   options.frames->last, shown.size() - 1));
     }
-    return *options.frames;
+    return CutRange{shown[options.frames->first], shown[options.frames->last]};
   }
   if (options.from_us >= manifest.duration_us && options.from_us > 0) {
     return fail(ErrorCode::argument,
@@ -39,6 +39,13 @@ Result<CutRange> frames_of(const CutOptions& options, const Manifest& manifest) 
                             seconds_text(options.from_us)));
   }
   return CutRange{frame_at(manifest, options.from_us), frame_at(manifest, options.to_us - 1)};
+}
+
+/// The number of a frame among those that are shown.
+std::uint32_t shown_number(const Manifest& manifest, std::uint32_t frame) {
+  const std::vector<std::uint32_t> shown = shown_frames(manifest);
+  return static_cast<std::uint32_t>(std::lower_bound(shown.begin(), shown.end(), frame) -
+                                    shown.begin());
 }
 
 /// The share of what was done to all frames that falls to some of them.
@@ -129,10 +136,11 @@ Result<CutReport> cut_package(const CutOptions& options, const std::stop_token& 
   const Cut cut = cut_at(options, manifest, wanted);
   Manifest kept = keep(manifest, cut);
   kept.name = reel_name(options.name, options.output);
+  const CutRange numbers{shown_number(manifest, wanted.first), shown_number(manifest, wanted.last)};
   if (kept.duration_us == 0) {
     return fail(ErrorCode::argument,
-                fmt::format("{}: of frames {} none is shown: they only serve to decode others",
-                            options.input.shown(), span_text(wanted.first, wanted.last)));
+                fmt::format("{}: frames {} are shown for no time", options.input.shown(),
+                            span_text(numbers.first, numbers.last)));
   }
   OutputFolder folder = TRY(OutputFolder::create(
       options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));
@@ -149,7 +157,7 @@ Result<CutReport> cut_package(const CutOptions& options, const std::stop_token& 
   if (manifest.audio)
     kept.audio = TRY(cut_sound(options, *manifest.audio, cut, folder.path(), stop));
   CutReport report;
-  report.frames = wanted;
+  report.frames = numbers;
   report.segments = cut.last.segment - cut.first.segment + 1;
   report.audio = kept.audio;
   report.bytes = TRY(write_package_manifest(folder.path(), kept, options.output));

@@ -12,7 +12,7 @@
 
 namespace pointreel {
 
-/// From the first to the last, both included.
+/// From the first to the last, both included, among the frames that are shown.
 struct CutRange {
   std::uint32_t first = 0, last = 0;
 };

@@ -74,9 +74,9 @@ struct UnpackMesh {
 struct UnpackOptions {
   PackageFiles input;
   std::filesystem::path output;
-  std::size_t layers = SIZE_MAX;            ///< how many layers to decode, from the base
-  std::uint32_t first_frame = 0;            ///< must exist, unless the reel is empty
-  std::uint32_t last_frame = kToTheEnd;     ///< inclusive; must exist; with 0: those shown
+  std::size_t layers = SIZE_MAX;  ///< how many layers to decode, from the base
+  /// Which frames, of those that are shown. Both must exist, unless the reel is empty.
+  std::uint32_t first_frame = 0, last_frame = kToTheEnd;
   bool force = false;                       ///< replace a folder of such files
   PointsFormat format = PointsFormat::ply;  ///< of files of points
   bool recording = false;                   ///< write one recording instead, `recording.mcap`

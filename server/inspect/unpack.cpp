@@ -80,7 +80,9 @@ class Unpacking {
       const auto read = decoder_.read_tables(options_.input, *manifest_.tables);
       if (!read) return fail_at(options_.input.shown(*manifest_.tables), read.error());
     }
-    frames_ = TRY(frames_to_unpack());
+    const std::vector<std::uint32_t> shown = shown_frames(manifest_);
+    const std::size_t end = std::min(shown.size(), std::size_t{options_.last_frame} + 1);
+    for (std::size_t i = options_.first_frame; i < end; ++i) frames_.push_back(shown[i]);
     OutputFolder folder = TRY(OutputFolder::create(
         options_.output, options_.force ? may_replace_frames : OutputFolder::MayReplace{}));
     report_.frames = static_cast<std::uint32_t>(frames_.size());
@@ -94,7 +96,7 @@ class Unpacking {
 
  private:
   Result<void> check() const {
-    const std::uint32_t frames = manifest_.frame_count();
+    const auto frames = static_cast<std::uint32_t>(shown_frames(manifest_).size());
     const bool past_the_end = options_.last_frame != kToTheEnd && options_.last_frame >= frames;
     if (options_.layers == 0 || options_.first_frame > options_.last_frame || past_the_end ||
         (options_.first_frame >= frames && frames > 0)) {
@@ -111,19 +113,6 @@ class Unpacking {
                               options_.input.shown()));
     }
     return {};
-  }
-
-  Result<std::vector<std::uint32_t>> frames_to_unpack() const {
-    std::vector<std::uint32_t> frames = shown_frames(manifest_);
-    std::erase_if(frames, [&](std::uint32_t frame) {
-      return frame < options_.first_frame || frame > options_.last_frame;
-    });
-    if (!frames.empty() || manifest_.frame_count() == 0) return frames;
-    return fail(ErrorCode::argument,
-                fmt::format("{}: of frames {} none is shown: they only serve to decode others",
-                            options_.input.shown(),
-                            span_text(options_.first_frame,
-                                      std::min(options_.last_frame, manifest_.frame_count() - 1))));
   }
 
   Result<void> copy_audio(const fs::path& folder) const {
@@ -208,13 +197,14 @@ class Unpacking {
 
   Result<void> write_files(const fs::path& folder) {
     const std::size_t digits = std::max<std::size_t>(
-        kDigits, fmt::format("{}", frames_.empty() ? 0 : frames_.back()).size());
+        kDigits, fmt::format("{}", options_.first_frame + frames_.size()).size());
     const char* ending =
         options_.mesh ? extension(options_.mesh->format) : extension(options_.format);
     std::optional<std::pair<std::uint32_t, Error>> first_error;
     for_each_frame(report_.frames, listener_, [&](std::uint32_t i) {
       const std::uint32_t frame = frames_[i];
-      const fs::path path = folder / fmt::format("frame_{:0{}}{}", frame, digits, ending);
+      const fs::path path =
+          folder / fmt::format("frame_{:0{}}{}", options_.first_frame + i, digits, ending);
       if (const Result<void> done = write(frame, path); !done) {
         const std::lock_guard lock(mutex_);
         if (!first_error || frame < first_error->first) first_error = {frame, done.error()};

@@ -244,6 +244,13 @@ Result<void> serve(const ServeArguments& arguments, const std::vector<std::strin
     return fail(ErrorCode::argument, "there is nothing to serve; name packages, or use --live");
   }
   const HttpServerOptions options = TRY(options_of(arguments));
+  // What is served may be what is recorded, from the first time on.
+  if (std::error_code error; !arguments.record.empty()) {
+    std::filesystem::create_directories(arguments.record, error);
+    if (error)
+      return fail(ErrorCode::io,
+                  fmt::format("--record {}: {}", arguments.record.string(), error.message()));
+  }
   const std::vector<PackageFolder> reels = TRY(packages_in(arguments.reels));
   Catalog catalog = TRY(Catalog::load(arguments.reels));
   allow_open_files(options.max_connections);

@@ -294,7 +294,7 @@ class Publisher {
       const double counted = ms - std::max(0.0, clean_ms - kCleaningShare * frame_time_ms_);
       time_.told(depth, counted);
       tell_depth(depth, counted);
-      if (clean_ms > frame_time_ms_ && !std::exchange(slow_cleaning_told_, true))
+      if (options_.clean && clean_ms > frame_time_ms_ && !std::exchange(slow_cleaning_told_, true))
         say(fmt::format(
             "cleaning took {:.0f} ms, {:.0f} ms are available; frames are skipped while "
             "it takes so long: lower --fps or --clean-frames, or --clean off",

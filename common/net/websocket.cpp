@@ -57,8 +57,9 @@ std::size_t memory_of(const WebSocketMessage& message) {
   return message.bytes.capacity() + kBesides;
 }
 
-/// The first line of a server's explanation.
+/// The first line of a server's explanation; nothing of a page for people.
 std::string excuse(const std::string& body) {
+  if (body.starts_with('<')) return {};
   const std::string line = body.substr(0, std::min(body.find_first_of("\r\n"), kMostExcuse));
   return line.empty() ? line : ": " + line;
 }

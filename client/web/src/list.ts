@@ -66,7 +66,7 @@ export async function showList(root: HTMLElement, base: URL, token: string | nul
     return picture;
   };
   for (const { name, publishing, viewers } of streams.filter((stream) => typeof stream?.name === "string")) {
-    const picture = add(new URL(`?live=${encodeURIComponent(name)}`, base), name, true,
+    const picture = add(new URL(`?live=${encodeURIComponent(name)}`, base), name, publishing,
                         publishing ? `live, ${viewers} watching` : "not live at the moment");
     const stream = new URL(`live/${encodeURIComponent(name)}`, base);
     stream.protocol = base.protocol.replace("http", "ws");

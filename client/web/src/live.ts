@@ -121,7 +121,7 @@ export class LivePlayback {
     socket.onclose = (event) => {
       if (this.closed || socket !== this.socket || isBlocked()) return;
       this.forget();
-      this.error = event.reason || (this.shown ? "the connection was lost" : "there is no live stream yet");
+      this.error = event.reason || (this.shown ? "the connection was lost" : `there is no live stream ${this.name} yet`);
       if (!hasOpened) this.askWhy();
       this.again = window.setTimeout(() => this.connect(), this.pause);
       this.pause = Math.min(2 * this.pause, 2000);

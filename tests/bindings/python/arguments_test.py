@@ -47,6 +47,7 @@ class Arguments(TemporaryFolder):
                 ("ahead is at least 0", lambda: pointreel.open("/nowhere", ahead=-1)),
                 ("size is the width", lambda: pointreel.render(lattice(), size=640)),
                 ("width is too large", lambda: pointreel.render(lattice(), size=(2**31, 1))),
+                ("width is at least 1", lambda: pointreel.render(lattice(), size=(0, 5))),
                 ("target is one of feet", lambda: pointreel.render(lattice(), target="nose")),
                 ("view is one of front", lambda: pointreel.render(lattice(), view="above")),
                 ("view is yaw and pitch", lambda: pointreel.render(lattice(), view=(1, 2, 3))),
@@ -54,7 +55,16 @@ class Arguments(TemporaryFolder):
                 ("from 0 to 1", lambda: pointreel.render(lattice(), background=(255, 255, 255))),
                 ("color_range is two numbers", lambda: pointreel.render(lattice(), color_range=1)),
                 ("not 2 x 3", lambda: pointreel.render(lattice(), bounds=[0, 1])),
-                ("pack.open.file", lambda: pointreel.pack("walk.mcap", self.folder / "x")),
+                ("positions is an array", lambda: pointreel.encode(None)),
+                ("colors has 1 rows for 2 points",
+                 lambda: pointreel.encode([[0, 0, 0], [1, 1, 1]], [[1, 2, 3]])),
+                ("whole numbers up to 255",
+                 lambda: pointreel.encode([[0, 0, 0]], [[0, 0, 256]])),
+                ("frame 1: a frame has no position; it has positions, colors",
+                 lambda: pointreel.pack([lattice(), {"position": [[0, 0, 0]]}], self.folder / "x")),
+                (r"clean.pointreel.open.file", lambda: pointreel.clean("walk.mcap")),
+                ("clean..frame.", lambda: pointreel.clean(lattice())),
+                ("pack.pointreel.open.file", lambda: pointreel.pack("walk.mcap", self.folder / "x")),
                 ("pack..frame.", lambda: pointreel.pack(lattice(), self.folder / "x"))):
             with self.assertRaisesRegex((ValueError, TypeError), wrong):
                 call()

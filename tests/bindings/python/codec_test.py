@@ -33,6 +33,15 @@ class Codec(unittest.TestCase):
         np.testing.assert_array_equal(frame.colors, source * 25 * 257)
         self.assertIsNone(frame.normals)
 
+    def test_a_whole_frame_and_lists_of_numbers_are_encoded(self):
+        colored = {"positions": lattice(), "colors": lattice().astype(int).tolist()}
+        frame = pointreel.decode(pointreel.encode(colored, color_quality=100))
+        source = np.rint(frame.world).astype(int)
+        np.testing.assert_array_equal(frame.colors8, source)
+        again = pointreel.decode(pointreel.encode(frame, color_quality=100))
+        self.assertEqual(rows(again.world), rows(frame.world))
+        np.testing.assert_array_equal(again.colors8, frame.colors8)
+
     def test_doubles_far_from_zero_keep_their_precision(self):
         positions = 1e-3 * lattice().astype(np.float64) + [4e6, 5e5, 100.0]
         frame = pointreel.decode(pointreel.encode(positions))
@@ -184,7 +193,7 @@ class Codec(unittest.TestCase):
             with self.assertRaises(pointreel.Error, msg=wrong) as raised:
                 pointreel.encode(positions, **wrong)
             self.assertEqual(raised.exception.code, "argument")
-        with self.assertRaises(pointreel.Error):
+        with self.assertRaisesRegex(ValueError, "colors has"):
             pointreel.encode(positions, colors[1:])
         with self.assertRaisesRegex(ValueError, "from 0 to 1, and there is a 2"):
             pointreel.encode(positions, np.full_like(positions, 2.0))
@@ -194,7 +203,7 @@ class Codec(unittest.TestCase):
             with self.assertRaises((ValueError, TypeError)):
                 pointreel.encode(wrong)
         with self.assertRaises(ValueError):
-            pointreel.encode(positions, colors.astype(np.int32))
+            pointreel.encode(positions, colors.astype(np.int32) + 1000)
         with self.assertRaises(TypeError):
             pointreel.decode("text")
 

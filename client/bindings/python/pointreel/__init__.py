@@ -17,6 +17,7 @@ They let other threads run while they fetch, decode or encode. Ctrl-C ends them.
 from __future__ import annotations
 
 import collections
+import contextlib
 import json
 import operator
 import os
@@ -27,8 +28,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
-from ._arguments import (_Axis, _check, _check_counts, _check_numbers, _check_texts, _color, _colors,
-                         _error, _index, _named, _path, _rows, _scalars, _Steps, _up_of, _vector,
+from ._arguments import (_Axis, _check, _check_counts, _check_lengths, _check_numbers, _check_texts,
+                         _color, _colors, _error, _index, _named, _path, _rows, _scalars, _Steps, _up_of, _vector,
                          _warn)
 from ._native import Error, Frame, __version__
 
@@ -46,7 +47,7 @@ class Points(NamedTuple):
     positions: Any
     """n x 3. float64 keeps coordinates far from zero; of anything else, float32 is made."""
     colors: Any = None
-    """n x 3, sRGB: uint8, uint16, or floats from 0 to 1."""
+    """n x 3, sRGB: uint8, uint16, other whole numbers up to 255, or floats from 0 to 1."""
     normals: Any = None
     """n x 3, of any length."""
     origin: Tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -71,6 +72,7 @@ def _arrays(points: Points) -> Tuple[NDArray[Any], Optional[NDArray[Any]],
               "large for a float) and are left out")
     colors = _colors(points.colors)
     normals = None if points.normals is None else _rows(points.normals, "normals", np.float32)
+    _check_lengths(len(positions), colors=colors, normals=normals)
     _check_numbers(time=points.time)
     return (positions, colors, normals, _vector(points.origin, "origin"),
             _scalars(points.scalars))
@@ -80,7 +82,16 @@ def _points_of(item: Any) -> Points:
     """The points of whatever `pack` takes as a frame."""
     if isinstance(item, Points):
         return item
+    if isinstance(item, Frame):
+        return Points(item.positions, item.colors, item.normals, _vector(item.origin, "origin"),
+                      scalars=item.scalars)
     if isinstance(item, dict):
+        unknown = set(item) - set(Points._fields)
+        if unknown:
+            raise ValueError(f"a frame has no {', '.join(sorted(map(str, unknown)))}; it has "
+                             + ", ".join(Points._fields))
+        if "positions" not in item:
+            raise ValueError("a frame has no positions")
         return Points(**item)
     if isinstance(item, (tuple, list)) and len(item) in (2, 3) and np.ndim(item[0]) == 2:
         return Points(*item)
@@ -90,6 +101,24 @@ def _points_of(item: Any) -> Points:
             return values if values.size else None
         return Points(np.asarray(item.points), attribute("colors"), attribute("normals"))
     return Points(item)
+
+
+@contextlib.contextmanager
+def _at_frame(index: int) -> Iterator[None]:
+    """Names the frame whose arguments are wrong."""
+    try:
+        yield
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"frame {index}: {error}") from None
+
+
+def _check_frames(frames: Any, function: str, rest: str = "") -> None:
+    is_arrays = (isinstance(frames, tuple) and len(frames) in (2, 3) and
+                 all(isinstance(part, np.ndarray) for part in frames))
+    if is_arrays or isinstance(frames, (str, bytes, os.PathLike, np.ndarray, Frame, Points, dict)):
+        raise TypeError(f"frames is a list of frames, not {type(frames).__name__}; give one frame "
+                        f"as {function}([frame]{rest}), and files as "
+                        f"{function}(pointreel.open(file){rest})")
 
 
 def _tell(native: Union[_native.Reel, _native.Writer]) -> None:
@@ -364,7 +393,8 @@ def encode(positions: Any, colors: Any = None, normals: Any = None, *,
            normal_quality: Optional[int] = None, fast: bool = False,
            scalars: Optional[Mapping[str, Any]] = None,
            scalar_steps: Optional[Mapping[str, float]] = None) -> bytes:
-    """Encodes a single frame; `decode` reads it. The arrays are those of `Points`.
+    """Encodes a single frame; `decode` reads it. The arrays are those of `Points`; in place of
+    positions, it may be a whole frame, as `pack` takes it.
 
     codec: octree or draco. depth: levels of the octree, or bits of Draco's positions. voxel: the
     edge of a voxel instead. delta: instead of both, the share of the points, 0.05 by default, that
@@ -375,7 +405,12 @@ def encode(positions: Any, colors: Any = None, normals: Any = None, *,
     """
     encoding = _encoding(codec, depth, voxel, delta, color_quality, normal_quality, fast,
                          scalar_steps)
-    arrays = _arrays(Points(positions, colors, normals, origin, scalars=scalars))
+    if isinstance(positions, (Frame, Points, dict)):
+        if colors is not None or normals is not None or scalars is not None:
+            raise ValueError("colors, normals and scalars are those of the frame")
+        arrays = _arrays(_points_of(positions))
+    else:
+        arrays = _arrays(Points(positions, colors, normals, origin, scalars=scalars))
     steps = _Steps(codec, scalar_steps)
     steps.see(arrays[-1])
     steps.end()
@@ -403,6 +438,7 @@ def clean(frames: Iterable[Any], *, before: int = 2, after: int = 2,
     of a camera are not to wait for later ones: `after=0`. radius: within which the surface is
     smoothed, in the unit of the points; by default as much as the noise asks for.
     """
+    _check_frames(frames, "clean")
     _check_numbers(radius=radius)
     _check((int, np.integer), "a whole number", before=before, after=after)
     return _Cleaned(frames, _native.Cleaner(radius, before, after))
@@ -486,11 +522,7 @@ def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: Opti
     """
     encoding = _encoding(codec, depth, voxel, delta, color_quality, normal_quality, fast,
                          scalar_steps)
-    is_arrays = (isinstance(frames, tuple) and len(frames) in (2, 3) and
-                 all(isinstance(part, np.ndarray) for part in frames))
-    if is_arrays or isinstance(frames, (str, bytes, os.PathLike, np.ndarray, Frame, Points, dict)):
-        raise TypeError(f"frames is a list of frames, not {type(frames).__name__}; "
-                        "pack([frame], path) packs one, pack(open(file), path) files")
+    _check_frames(frames, "pack", ", path")
     fps = getattr(frames, "fps", 30.0) if fps is None else fps
     axis = _Axis(up, _up_of(frames))
     up = axis.up
@@ -509,15 +541,16 @@ def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: Opti
     for item in frames:
         time = None
         axis.see(item)
-        if isinstance(item, Frame):
-            time = None if start is None else item.time - start
-        else:
-            item = _points_of(item)
-            if count == 0 and item.time is not None and item.time >= _EARLIEST:
-                unix_start = item.time
-            if unix_start is not None and item.time is not None:
-                item = item._replace(time=item.time - unix_start)
-        _give(item, writer.add, writer.add_frame, time)
+        with _at_frame(count):
+            if isinstance(item, Frame):
+                time = None if start is None else item.time - start
+            else:
+                item = _points_of(item)
+                if count == 0 and item.time is not None and item.time >= _EARLIEST:
+                    unix_start = item.time
+                if unix_start is not None and item.time is not None:
+                    item = item._replace(time=item.time - unix_start)
+            _give(item, writer.add, writer.add_frame, time)
         _tell(writer)
         count += 1
     writer.finish()

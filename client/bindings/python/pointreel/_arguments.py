@@ -88,6 +88,8 @@ def _rows(values: Any, name: str, dtype: Any = None) -> NDArray[Any]:
     if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
         raise ValueError(f"{name} has masked values: give {name}[~mask]")
     array = np.asarray(values)
+    if array.ndim == 0:
+        raise TypeError(f"{name} is an array of n x 3 numbers, not {type(values).__name__}")
     if array.size == 0:
         array = array.reshape(0, 3)
     if array.ndim != 2 or array.shape[1] != 3:
@@ -114,7 +116,16 @@ def _colors(values: Any) -> Optional[NDArray[Any]]:
         return rounded
     if array.dtype in (np.uint8, np.uint16):
         return array
-    raise ValueError(f"colors are uint8, uint16 or floats from 0 to 1, not {array.dtype}")
+    if array.dtype.kind in "iu" and array.size and 0 <= array.min() and array.max() <= 255:
+        return array.astype(np.uint8)  # as a list of numbers is
+    raise ValueError("colors are uint8, uint16, whole numbers up to 255 or floats from 0 to 1, not "
+                     f"{array.dtype}")
+
+
+def _check_lengths(points: int, **arrays: Optional[NDArray[Any]]) -> None:
+    for name, array in arrays.items():
+        if array is not None and len(array) != points:
+            raise ValueError(f"{name} has {len(array)} rows for {points} points")
 
 
 def _scalars(values: Optional[Mapping[str, Any]]) -> Dict[str, NDArray[np.float32]]:

@@ -191,21 +191,32 @@ void add_entries(std::vector<CommandEntry>& all, const CLI::App& app,
 /// value is checked.
 constexpr char kShield = '\x01';
 
-/// An argument of a command line.
-std::string shielded(std::string argument) {
-  std::size_t value = 0;
-  if (argument.starts_with('-')) {
-    value = argument.find('=') + 1;  // 0 if there is none
-    if (value == 0) value = argument.starts_with("--") ? argument.size() : 2;
-  }
-  if (value < argument.size() && (argument[value] == '[' || argument[value] == kShield))
-    argument.insert(value, 1, kShield);
-  return argument;
+/// `begin`: where the value begins.
+std::string shielded(std::string text, std::size_t begin = 0) {
+  if (begin < text.size() && (text[begin] == '[' || text[begin] == kShield))
+    text.insert(begin, 1, kShield);
+  return text;
 }
 
-std::vector<std::string> shielded(const std::vector<std::string>& arguments) {
+std::vector<std::string> shielded(std::vector<std::string> values) {
+  for (std::string& value : values) value = shielded(std::move(value));
+  return values;
+}
+
+/// The arguments of a command line, the last one first, as CLI11 takes them.
+std::vector<std::string> last_first(const std::vector<std::string>& arguments) {
   std::vector<std::string> all;
-  for (const std::string& argument : arguments) all.push_back(shielded(argument));
+  bool may_be_option = true;
+  for (const std::string& argument : arguments) {
+    std::size_t value = 0;
+    if (may_be_option && argument.starts_with('-')) {
+      value = argument.find('=') + 1;  // 0 if there is none
+      if (value == 0) value = argument.starts_with("--") ? argument.size() : 2;
+    }
+    may_be_option &= argument != "--";
+    all.push_back(shielded(argument, value));
+  }
+  std::reverse(all.begin(), all.end());
   return all;
 }
 
@@ -472,9 +483,7 @@ std::string fault_of(const CLI::App& app, const CLI::Error& error) {
 }  // namespace
 
 Result<void> Program::parse(const std::vector<std::string>& arguments) try {
-  std::vector<std::string> last_first = shielded(arguments);
-  std::reverse(last_first.begin(), last_first.end());  // as CLI11 takes them
-  app_->parse(std::move(last_first));
+  app_->parse(last_first(arguments));
   return {};
 } catch (const CLI::Error& error) {
   return fail(ErrorCode::argument, fault_of(*app_, error));
@@ -484,9 +493,7 @@ std::optional<int> Program::parse(int argc, const char* const* argv) {
   // A file that exceeds a limit of the system (ulimit -f) is then reported like a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   try {
-    std::vector<std::string> last_first;
-    for (int i = argc - 1; i > 0; --i) last_first.push_back(shielded(argv[i]));
-    app_->parse(std::move(last_first));
+    app_->parse(last_first({argv + std::min(argc, 1), argv + argc}));
     return std::nullopt;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0 || error.get_name() == "RuntimeError") return app_->exit(error);

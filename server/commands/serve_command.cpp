@@ -179,6 +179,9 @@ class Rereading {
           {{"fault", "a token is missing, so nothing changes; restart to serve without it"}});
       return;
     }
+    if (arguments->listen != arguments_.listen)
+      log_.write(Log::Level::kWarning, "reread",
+                 {{"what", "restart to listen on " + arguments->listen}});
     server_.set_tokens(service.view_token, service.publish_token);
     arguments_ = *std::move(arguments);
     certificate_changed();

@@ -413,7 +413,7 @@ export class Player {
       this.moved = now;
     }
     this.seen = seen;
-    const moves = now - this.moved <= MOVES || (this.reel !== null && this.playing);
+    const moves = now - this.moved <= MOVES || (this.reel !== null && this.reel.reel.shownFrames > 1 && this.playing);
     const resting = !this.display && !moves && !this.reel?.scrubbing && !this.reel?.isSeeking;
     if (resting !== this.rested) {
       this.rested = resting;

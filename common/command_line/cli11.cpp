@@ -208,13 +208,16 @@ std::vector<std::string> last_first(const std::vector<std::string>& arguments) {
   std::vector<std::string> all;
   bool may_be_option = true;
   for (const std::string& argument : arguments) {
-    std::size_t value = 0;
-    if (may_be_option && argument.starts_with('-')) {
-      value = argument.find('=') + 1;  // 0 if there is none
-      if (value == 0) value = argument.starts_with("--") ? argument.size() : 2;
-    }
     may_be_option &= argument != "--";
-    all.push_back(shielded(argument, value));
+    const bool is_long = may_be_option && argument.starts_with("--");
+    if (const std::size_t equals = argument.find('='); is_long && equals + 1 == argument.size()) {
+      // CLI11 would take the next argument for its value.
+      all.insert(all.end(), {argument.substr(0, equals), ""});
+    } else if (is_long) {
+      all.push_back(shielded(argument, equals == std::string::npos ? argument.size() : equals + 1));
+    } else {
+      all.push_back(shielded(argument, may_be_option && argument.starts_with('-') ? 2 : 0));
+    }
   }
   std::reverse(all.begin(), all.end());
   return all;
@@ -223,7 +226,8 @@ std::vector<std::string> last_first(const std::vector<std::string>& arguments) {
 /// An option whose values are those that were given.
 Option unshielded(CLI::Option* option) {
   const auto take_away = [](std::string& value) {
-    if (value.starts_with(kShield)) value.erase(0, 1);
+    if (const auto at = value.find(kShield); at == 0 || (at < value.size() && value[at + 1] == '['))
+      value.erase(at, 1);
     return std::string();
   };
   return Option(option->transform(CLI::Validator(take_away, "")));

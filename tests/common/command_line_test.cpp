@@ -73,6 +73,13 @@ TEST_F(CommandLine, takes_brackets_for_a_part_of_a_value) {
   EXPECT_THAT(things, ElementsAre("[a,b]", "[c]", "\x01[d]"));
   EXPECT_THAT(names, ElementsAre("[e]", "[f]", "[g,h]"));
   EXPECT_EQ(one, "[i]");
+  for (const char* given : {"-o-z=[x]", "-oout=[x]", "--one=-z[x]"}) {
+    ASSERT_EQ(fault_of({"keep", given}), "");
+    EXPECT_EQ(one, std::string(given).substr(given[1] == '-' ? 6 : 2));
+  }
+  ASSERT_EQ(fault_of({"keep", "--one=", "a"}), "");
+  EXPECT_EQ(one, "");
+  EXPECT_THAT(things, ElementsAre("a"));
   ASSERT_EQ(fault_of({"keep", "--", "-x[j]", "[k]"}), "");
   EXPECT_THAT(things, ElementsAre("-x[j]", "[k]"));
   EXPECT_EQ(fault_of({"[frobnicate]"}), "there is no command \"[frobnicate]\"");

@@ -357,6 +357,9 @@ cli::Command define_serve(cli::Command app, const std::shared_ptr<ServeArguments
   command
       .add_option("--record", arguments->record,
                   "record live streams as packages NAME, NAME-2, ... in this folder")
+      .check({[](const std::string& folder) {
+        return folder.empty() ? std::string("is empty; name a folder, or leave it out") : "";
+      }})
       .type_name("FOLDER")
       .needs(live);
   command

@@ -148,12 +148,15 @@ class Triangulation {
     }
     const float farthest = std::max(most.x, most.y);
     const float scale = farthest > 0.0f ? static_cast<float>(Delaunay::kReach) / farthest : 0.0f;
+    // Halves need not be rounded to either side. In this order, what is not a number, as of points
+    // that are too far apart, is at the lower end.
+    constexpr float kMiddle = 8192.5f, kReach = Delaunay::kReach;
+    const auto step_of = [scale](float along) {
+      const float at = scale * along + kMiddle;
+      return static_cast<int>(std::min(kMiddle + kReach, std::max(kMiddle - kReach, at))) - 8192;
+    };
     points_.clear();
-    for (const glm::vec2& p : flat_) {
-      // Halves need not be rounded to either side.
-      points_.emplace_back(static_cast<int>(scale * p.x + 8192.5f) - 8192,
-                           static_cast<int>(scale * p.y + 8192.5f) - 8192);
-    }
+    for (const glm::vec2& p : flat_) points_.emplace_back(step_of(p.x), step_of(p.y));
   }
 
   bool is_kept(const Delaunay::Triangle& triangle) const {

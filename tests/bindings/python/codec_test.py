@@ -42,6 +42,11 @@ class Codec(unittest.TestCase):
         self.assertEqual(rows(again.world), rows(frame.world))
         np.testing.assert_array_equal(again.colors8, frame.colors8)
 
+    def test_positions_of_every_type_are_relative_to_the_origin(self):
+        for dtype in (np.float32, np.float64, np.int32):
+            frame = pointreel.decode(pointreel.encode(lattice().astype(dtype), origin=(1000, 0, 0)))
+            self.assertEqual(rows(frame.world), rows(lattice() + [1000, 0, 0]), dtype)
+
     def test_doubles_far_from_zero_keep_their_precision(self):
         positions = 1e-3 * lattice().astype(np.float64) + [4e6, 5e5, 100.0]
         frame = pointreel.decode(pointreel.encode(positions))

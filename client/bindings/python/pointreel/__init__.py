@@ -51,7 +51,7 @@ class Points(NamedTuple):
     normals: Any = None
     """n x 3, of any length."""
     origin: Tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """What positions of float32 are relative to."""
+    """What positions are relative to."""
     time: Optional[float] = None
     """Seconds from the reel's start, or Unix time, from that of the first frame; None: one frame's
     time after the frame before."""
@@ -64,8 +64,11 @@ def _arrays(points: Points) -> Tuple[NDArray[Any], Optional[NDArray[Any]],
                                      Optional[NDArray[Any]], Tuple[float, ...],
                                      Dict[str, NDArray[np.float32]]]:
     positions = _rows(points.positions, "positions")
+    origin = _vector(points.origin, "origin")
     if positions.dtype != np.float64:
         positions = _rows(positions, "positions", np.float32)
+    elif any(origin):
+        positions, origin = positions + origin, (0.0, 0.0, 0.0)
     lost = len(positions) - np.count_nonzero((np.abs(positions) < 1e38).all(axis=1))
     if lost:
         _warn(f"{lost} of {len(positions)} points have no finite position (NaN, infinite, or too "
@@ -74,8 +77,7 @@ def _arrays(points: Points) -> Tuple[NDArray[Any], Optional[NDArray[Any]],
     normals = None if points.normals is None else _rows(points.normals, "normals", np.float32)
     _check_lengths(len(positions), colors=colors, normals=normals)
     _check_numbers(time=points.time)
-    return (positions, colors, normals, _vector(points.origin, "origin"),
-            _scalars(points.scalars))
+    return positions, colors, normals, origin, _scalars(points.scalars)
 
 
 def _points_of(item: Any) -> Points:

@@ -11,6 +11,12 @@
 
 namespace pointreel::cli {
 
+Check not_empty(const std::string& what) {
+  return {[what](const std::string& text) {
+    return text.empty() ? "is empty; give " + what + ", or leave it out" : std::string();
+  }};
+}
+
 Check number_option(const std::string& what, std::function<bool(double)> good) {
   return {[what, good = std::move(good)](const std::string& text) {
     const std::optional<double> value = number_of(text);

@@ -22,6 +22,8 @@ template <class T>
 Check range(T least, T most);
 Check one_of(const std::vector<std::string>& words);
 Check existing_file();
+/// Refuses the empty text, which a script gives whose variable is not set. `what` is missing.
+Check not_empty(const std::string& what);
 
 /// Accepts the numbers for which `good` holds; `what` describes them.
 Check number_option(const std::string& what, std::function<bool(double)> good);

@@ -362,6 +362,7 @@ void add_unpack_command(cli::Command app, int& exit_code) {
       .add_option("--frames", a->frames,
                   "decode only frames A to B, including both, or only frame A, numbered from 0 "
                   "among those that are shown")
+      .check(cli::not_empty("frames"))
       .type_name("A-B");
   add_frame_memory_option(unpack, a->frame_memory);
   a->access.add_to(unpack);

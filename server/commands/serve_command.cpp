@@ -357,9 +357,7 @@ cli::Command define_serve(cli::Command app, const std::shared_ptr<ServeArguments
   command
       .add_option("--record", arguments->record,
                   "record live streams as packages NAME, NAME-2, ... in this folder")
-      .check({[](const std::string& folder) {
-        return folder.empty() ? std::string("is empty; name a folder, or leave it out") : "";
-      }})
+      .check(cli::not_empty("a folder"))
       .type_name("FOLDER")
       .needs(live);
   command

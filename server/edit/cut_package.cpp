@@ -23,29 +23,28 @@ std::string seconds_text(std::uint64_t us) {
   return number_text(1e-3 * std::round(1e-3 * static_cast<double>(us)), 12);
 }
 
-Result<CutRange> frames_of(const CutOptions& options, const Manifest& manifest) {
-  const std::vector<std::uint32_t> shown = shown_frames(manifest);
+/// `shown`: the frames of the package that are shown.
+Result<CutRange> frames_of(const CutOptions& options, const Manifest& manifest,
+                           const std::vector<std::uint32_t>& shown) {
   if (shown.empty()) return fail(ErrorCode::argument, "has no frames");
   if (options.frames) {
     if (options.frames->last >= shown.size()) {
       return fail(ErrorCode::argument, fmt::format("has no frame {}, only frames 0 to {}",
                                                    options.frames->last, shown.size() - 1));
     }
-    return CutRange{shown[options.frames->first], shown[options.frames->last]};
+    return *options.frames;
   }
   if (options.from_us >= manifest.duration_us && options.from_us > 0) {
     return fail(ErrorCode::argument,
                 fmt::format("ends at {} s, before --from {}", seconds_text(manifest.duration_us),
                             seconds_text(options.from_us)));
   }
-  return CutRange{frame_at(manifest, options.from_us), frame_at(manifest, options.to_us - 1)};
-}
-
-/// The number of a frame among those that are shown.
-std::uint32_t shown_number(const Manifest& manifest, std::uint32_t frame) {
-  const std::vector<std::uint32_t> shown = shown_frames(manifest);
-  return static_cast<std::uint32_t>(std::lower_bound(shown.begin(), shown.end(), frame) -
-                                    shown.begin());
+  const auto number_at = [&](std::uint64_t us) {
+    const auto found = std::lower_bound(shown.begin(), shown.end(), frame_at(manifest, us));
+    const auto last = std::ssize(shown) - 1;
+    return static_cast<std::uint32_t>(std::min(found - shown.begin(), last));
+  };
+  return CutRange{number_at(options.from_us), number_at(options.to_us - 1)};
 }
 
 /// The share of what was done to all frames that falls to some of them.
@@ -72,14 +71,15 @@ struct Cut {
   }
 };
 
-Cut cut_at(const CutOptions& options, const Manifest& manifest, CutRange frames) {
+/// `first` and `last`: among all frames of the package.
+Cut cut_at(const CutOptions& options, const Manifest& manifest, std::uint32_t first,
+           std::uint32_t last) {
   // Video needs the frames before in its group, which are over when the first wanted one begins.
-  Cut cut{locate(manifest, group_of(manifest, frames.first).first), locate(manifest, frames.last),
+  Cut cut{locate(manifest, group_of(manifest, first).first), locate(manifest, last),
           options.from_us, std::min(options.to_us, manifest.duration_us)};
   if (!options.frames) return cut;
-  if (frames.first > 0) cut.begin_us = frame_time_us(manifest, frames.first);
-  if (frames.last + 1 < manifest.frame_count())
-    cut.end_us = frame_time_us(manifest, frames.last + 1);
+  if (first > 0) cut.begin_us = frame_time_us(manifest, first);
+  if (last + 1 < manifest.frame_count()) cut.end_us = frame_time_us(manifest, last + 1);
   return cut;
 }
 
@@ -132,15 +132,15 @@ Result<std::optional<AudioFile>> cut_sound(const CutOptions& options, const Audi
 
 Result<CutReport> cut_package(const CutOptions& options, const std::stop_token& stop) {
   const Manifest manifest = TRY(options.input.manifest());
-  const CutRange wanted = TRY(at_place(options.input.shown(), frames_of(options, manifest)));
-  const Cut cut = cut_at(options, manifest, wanted);
+  const std::vector<std::uint32_t> shown = shown_frames(manifest);
+  const CutRange frames = TRY(at_place(options.input.shown(), frames_of(options, manifest, shown)));
+  const Cut cut = cut_at(options, manifest, shown[frames.first], shown[frames.last]);
   Manifest kept = keep(manifest, cut);
   kept.name = reel_name(options.name, options.output);
-  const CutRange numbers{shown_number(manifest, wanted.first), shown_number(manifest, wanted.last)};
   if (kept.duration_us == 0) {
     return fail(ErrorCode::argument,
                 fmt::format("{}: frames {} are shown for no time", options.input.shown(),
-                            span_text(numbers.first, numbers.last)));
+                            span_text(frames.first, frames.last)));
   }
   OutputFolder folder = TRY(OutputFolder::create(
       options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));
@@ -157,7 +157,7 @@ Result<CutReport> cut_package(const CutOptions& options, const std::stop_token& 
   if (manifest.audio)
     kept.audio = TRY(cut_sound(options, *manifest.audio, cut, folder.path(), stop));
   CutReport report;
-  report.frames = numbers;
+  report.frames = frames;
   report.segments = cut.last.segment - cut.first.segment + 1;
   report.audio = kept.audio;
   report.bytes = TRY(write_package_manifest(folder.path(), kept, options.output));

@@ -197,7 +197,9 @@ class Unpacking {
 
   Result<void> write_files(const fs::path& folder) {
     const std::size_t digits = std::max<std::size_t>(
-        kDigits, fmt::format("{}", options_.first_frame + frames_.size()).size());
+        kDigits,
+        fmt::format("{}", options_.first_frame + std::max<std::size_t>(frames_.size(), 1) - 1)
+            .size());
     const char* ending =
         options_.mesh ? extension(options_.mesh->format) : extension(options_.format);
     std::optional<std::pair<std::uint32_t, Error>> first_error;

@@ -29,8 +29,8 @@ from numpy.typing import NDArray
 
 from . import _native
 from ._arguments import (_Axis, _check, _check_counts, _check_lengths, _check_numbers, _check_texts,
-                         _color, _colors, _error, _index, _named, _path, _rows, _scalars, _Steps, _up_of, _vector,
-                         _warn)
+                         _color, _colors, _error, _index, _named, _path, _rows, _scalars, _Steps,
+                         _up_of, _vector, _warn)
 from ._native import Error, Frame, __version__
 
 __all__ = ["Error", "Frame", "Frames", "Points", "Reel", "Live", "Publisher", "open", "live",
@@ -468,8 +468,7 @@ class _Cleaned(Iterator[Points]):
                 frame = cleaner.next()
                 if frame is None:
                     return
-                yield Points(frame.positions, frame.colors, frame.normals,
-                             _vector(frame.origin, "origin"), times.popleft(), frame.scalars)
+                yield _points_of(frame)._replace(time=times.popleft())
 
         for item in frames:
             if isinstance(item, Frame):

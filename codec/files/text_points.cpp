@@ -302,7 +302,10 @@ Result<PointCloud> read_text_points(const ByteSource& source, const Reading& rea
                                     ReadNotes& notes) {
   Bytes room;
   const ByteView bytes = TRY(source.all(room));
-  Lines lines(without_mark(text_of(bytes)));
+  const std::string_view text = text_of(bytes);
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    return fail("is UTF-16 text; save it as UTF-8");
+  Lines lines(without_mark(text));
   Head head = TRY(read_head(lines, reading.columns.size()));
   if (head.columns == 0) return fail("has no points");
   if (head.columns < 3) {

@@ -270,6 +270,7 @@ TEST(TextPoints, errors_say_in_which_line_and_column) {
   EXPECT_THAT(error_of("x y z\n"), HasSubstr("no points"));
   EXPECT_THAT(error_of(std::string(3000, ',') + "\n"), HasSubstr("line 1"));
   EXPECT_THAT(error_of("1 2 3\n1 2 \x1b[31m\n"), HasSubstr("'?[31m'"));
+  EXPECT_THAT(error_of("\xff\xfe\x31"), HasSubstr("is UTF-16 text"));
 }
 
 TEST(TextPoints, more_columns_than_anybody_reads_take_no_memory) {

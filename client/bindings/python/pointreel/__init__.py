@@ -17,21 +17,20 @@ They let other threads run while they fetch, decode or encode. Ctrl-C ends them.
 from __future__ import annotations
 
 import collections
-import contextlib
 import json
 import operator
 import os
-from typing import (Any, Collection, Deque, Dict, Generic, Iterable, Iterator, Mapping, NamedTuple,
-                    Optional, Sequence, Tuple, TypeVar, Union, overload)
+from typing import (Any, Deque, Dict, Generic, Iterable, Iterator, Mapping, Optional, Sequence,
+                    Tuple, TypeVar, Union, overload)
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
-from ._arguments import (_Axis, _check, _check_counts, _check_lengths, _check_numbers, _check_texts,
-                         _color, _colors, _error, _index, _named, _path, _rows, _scalars, _Steps,
-                         _up_of, _vector, _warn)
+from ._arguments import (_Axis, _check, _check_counts, _check_numbers, _check_texts, _color, _error,
+                         _index, _named, _path, _Steps, _up_of, _vector, _warn)
 from ._native import Error, Frame, __version__
+from ._points import Points, _arrays, _at_frame, _check_frames, _give, _points_of
 
 __all__ = ["Error", "Frame", "Frames", "Points", "Reel", "Live", "Publisher", "open", "live",
            "encode", "decode", "clean", "pack", "publish", "render", "__version__"]
@@ -41,104 +40,9 @@ _EARLIEST = 1e9
 """Times from here on, in 2001, are Unix times."""
 
 
-class Points(NamedTuple):
-    """The points of a frame that is to be written."""
-
-    positions: Any
-    """n x 3. float64 keeps coordinates far from zero; of anything else, float32 is made."""
-    colors: Any = None
-    """n x 3, sRGB: uint8, uint16, other whole numbers up to 255, or floats from 0 to 1."""
-    normals: Any = None
-    """n x 3, of any length."""
-    origin: Tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """What positions are relative to."""
-    time: Optional[float] = None
-    """Seconds from the reel's start, or Unix time, from that of the first frame; None: one frame's
-    time after the frame before."""
-    scalars: Optional[Mapping[str, Any]] = None
-    """Up to 8 scalar fields, such as intensities or classes: name to n numbers, NaN where unknown.
-    Draco frames leave them out."""
-
-
-def _arrays(points: Points) -> Tuple[NDArray[Any], Optional[NDArray[Any]],
-                                     Optional[NDArray[Any]], Tuple[float, ...],
-                                     Dict[str, NDArray[np.float32]]]:
-    positions = _rows(points.positions, "positions")
-    origin = _vector(points.origin, "origin")
-    if positions.dtype != np.float64:
-        positions = _rows(positions, "positions", np.float32)
-    elif any(origin):
-        positions, origin = positions + origin, (0.0, 0.0, 0.0)
-    lost = len(positions) - np.count_nonzero((np.abs(positions) < 1e38).all(axis=1))
-    if lost:
-        _warn(f"{lost} of {len(positions)} points have no finite position (NaN, infinite, or too "
-              "large for a float) and are left out")
-    colors = _colors(points.colors)
-    normals = None if points.normals is None else _rows(points.normals, "normals", np.float32)
-    _check_lengths(len(positions), colors=colors, normals=normals)
-    _check_numbers(time=points.time)
-    return positions, colors, normals, origin, _scalars(points.scalars)
-
-
-def _points_of(item: Any) -> Points:
-    """The points of whatever `pack` takes as a frame."""
-    if isinstance(item, Points):
-        return item
-    if isinstance(item, Frame):
-        return Points(item.positions, item.colors, item.normals, _vector(item.origin, "origin"),
-                      scalars=item.scalars)
-    if isinstance(item, dict):
-        unknown = set(item) - set(Points._fields)
-        if unknown:
-            raise ValueError(f"a frame has no {', '.join(sorted(map(str, unknown)))}; it has "
-                             + ", ".join(Points._fields))
-        if "positions" not in item:
-            raise ValueError("a frame has no positions")
-        return Points(**item)
-    if isinstance(item, (tuple, list)) and len(item) in (2, 3) and np.ndim(item[0]) == 2:
-        return Points(*item)
-    if hasattr(item, "points"):  # as Open3D's PointCloud
-        def attribute(name: str) -> Optional[NDArray[Any]]:
-            values = np.asarray(getattr(item, name, ()))
-            return values if values.size else None
-        return Points(np.asarray(item.points), attribute("colors"), attribute("normals"))
-    return Points(item)
-
-
-@contextlib.contextmanager
-def _at_frame(index: int) -> Iterator[None]:
-    """Names the frame whose arguments are wrong."""
-    try:
-        yield
-    except (TypeError, ValueError) as error:
-        raise type(error)(f"frame {index}: {error}") from None
-
-
-def _check_frames(frames: Any, function: str, rest: str = "") -> None:
-    is_arrays = (isinstance(frames, tuple) and len(frames) in (2, 3) and
-                 all(isinstance(part, np.ndarray) for part in frames))
-    if is_arrays or isinstance(frames, (str, bytes, os.PathLike, np.ndarray, Frame, Points, dict)):
-        raise TypeError(f"frames is a list of frames, not {type(frames).__name__}; give one frame "
-                        f"as {function}([frame]{rest}), and files as "
-                        f"{function}(pointreel.open(file){rest})")
-
-
 def _tell(native: Union[_native.Reel, _native.Writer]) -> None:
     for line in native.said():
         _warn(line)
-
-
-def _give(item: Any, add: Any, add_frame: Any, time: Optional[float] = None
-          ) -> Collection[str]:
-    """Gives a frame, of whatever kind, to one of these. `time`: of a `Frame`. Returns the names of
-    its scalar fields."""
-    if isinstance(item, Frame):
-        add_frame(item, time)
-        return item.scalars
-    points = _points_of(item)
-    arrays = _arrays(points)
-    add(*arrays, points.time)
-    return arrays[-1]
 
 
 class Frames(Sequence[Frame]):

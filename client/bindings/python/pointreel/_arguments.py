@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import collections.abc
 import operator
 import os
 import re
 import sys
 import warnings
-from typing import Any, Collection, Dict, Mapping, Optional, Tuple, Union
+from typing import Any, Collection, Mapping, Optional, Tuple, Union
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ._native import Error, Frame
 
@@ -82,71 +80,6 @@ def _warn(message: str) -> None:
     while caller.f_back is not None and caller.f_globals.get("__package__") == __package__:
         level, caller = level + 1, caller.f_back
     warnings.warn(message, stacklevel=level)
-
-
-def _rows(values: Any, name: str, dtype: Any = None) -> NDArray[Any]:
-    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
-        raise ValueError(f"{name} has masked values: give {name}[~mask]")
-    array = np.asarray(values)
-    if array.ndim == 0:
-        raise TypeError(f"{name} is an array of n x 3 numbers, not {type(values).__name__}")
-    if array.size == 0:
-        array = array.reshape(0, 3)
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"{name} has the shape {array.shape}, not n x 3")
-    if array.dtype.kind not in "fiub":
-        raise ValueError(f"{name} holds {array.dtype}, not numbers")
-    return np.ascontiguousarray(array, dtype)
-
-
-def _colors(values: Any) -> Optional[NDArray[Any]]:
-    if values is None:
-        return None
-    array = _rows(values, "colors")
-    if array.dtype.kind == "f":
-        # Interpolated colors may be a little outside.
-        outside = array[(array < -0.1) | (array > 1.1)]
-        if outside.size:
-            raise ValueError(f"float colors must be from 0 to 1, and there is a {outside[0]:g}")
-        unknown = np.count_nonzero(np.isnan(array))
-        if unknown:
-            _warn(f"{unknown} values of colors are not numbers and become 0")
-        rounded: NDArray[np.uint16] = np.rint(
-            np.clip(np.nan_to_num(array), 0.0, 1.0) * 65535.0).astype(np.uint16)
-        return rounded
-    if array.dtype in (np.uint8, np.uint16):
-        return array
-    if array.dtype.kind in "iu" and array.size and 0 <= array.min() and array.max() <= 255:
-        return array.astype(np.uint8)  # as a list of numbers is
-    raise ValueError("colors are uint8, uint16, whole numbers up to 255 or floats from 0 to 1, not "
-                     f"{array.dtype}")
-
-
-def _check_lengths(points: int, **arrays: Optional[NDArray[Any]]) -> None:
-    for name, array in arrays.items():
-        if array is not None and len(array) != points:
-            raise ValueError(f"{name} has {len(array)} rows for {points} points")
-
-
-def _scalars(values: Optional[Mapping[str, Any]]) -> Dict[str, NDArray[np.float32]]:
-    fields = {}
-    if values is not None and not isinstance(values, collections.abc.Mapping):
-        raise TypeError("scalars is a dict of arrays by name")
-    for name, numbers in (values or {}).items():
-        array = np.asarray(numbers)
-        if array.ndim != 1 or array.dtype.kind not in "fiub":
-            raise ValueError(f"the scalar field {name} is not a list of numbers, one for each point")
-        kept = np.ascontiguousarray(array, np.float32)
-        if array.dtype.itemsize > 2 and array.dtype != np.float32:
-            known = array[np.isfinite(array)].astype(np.float64)
-            lost = np.abs(known - known.astype(np.float32)).max(initial=0.0)
-            extent = np.ptp(known) if known.size else 0.0
-            if extent > 0.0 and lost > 0.5 * extent / 255.0:
-                _warn(f"the scalar field {name} is off by up to {lost:.3g}, because it is kept in 32 "
-                      "bits: subtract an offset from it before")
-        _check_texts(**{f"the name {name!r} of scalars": str(name)})
-        fields[str(name)] = kept
-    return fields
 
 
 def _named(argument: str, name: str, known: Mapping[str, Any]) -> Any:

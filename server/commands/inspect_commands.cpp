@@ -291,10 +291,7 @@ int run_unpack(UnpackOptions options, const std::string& frames, const std::stri
   std::unique_ptr<Progress> progress;
   const Result<UnpackReport> report = unpack(options, listener_for("unpack", progress, stop));
   progress.reset();
-  if (!report) {
-    print_error(report.error().message);
-    return kExitFailed;
-  }
+  if (!report) return failed_to_open(report.error());
   print("{}: {}{}\n", options.output.string(), counted(report->frames, "frame"),
         options.mesh ? ", " + counted(report->triangles, "triangle") : "");
   if (const bool takes_z =

@@ -75,12 +75,12 @@ class Unpacking {
         decoder_(options.max_memory) {}
 
   Result<UnpackReport> run() {
-    TRY(check());
+    const std::vector<std::uint32_t> shown = shown_frames(manifest_);
+    TRY(check(static_cast<std::uint32_t>(shown.size())));
     if (manifest_.tables) {
       const auto read = decoder_.read_tables(options_.input, *manifest_.tables);
       if (!read) return fail_at(options_.input.shown(*manifest_.tables), read.error());
     }
-    const std::vector<std::uint32_t> shown = shown_frames(manifest_);
     const std::size_t end = std::min(shown.size(), std::size_t{options_.last_frame} + 1);
     for (std::size_t i = options_.first_frame; i < end; ++i) frames_.push_back(shown[i]);
     OutputFolder folder = TRY(OutputFolder::create(
@@ -95,8 +95,8 @@ class Unpacking {
   }
 
  private:
-  Result<void> check() const {
-    const auto frames = static_cast<std::uint32_t>(shown_frames(manifest_).size());
+  /// `frames`: how many are shown.
+  Result<void> check(std::uint32_t frames) const {
     const bool past_the_end = options_.last_frame != kToTheEnd && options_.last_frame >= frames;
     if (options_.layers == 0 || options_.first_frame > options_.last_frame || past_the_end ||
         (options_.first_frame >= frames && frames > 0)) {

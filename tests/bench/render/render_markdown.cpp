@@ -229,17 +229,10 @@ std::string software_tables(const json& report) {
       largest("software"), largest("opengl"), largest("truth"));
 }
 
-}  // namespace
-
-std::string to_render_markdown(const json& report) {
-  std::string out = "# Pictures against the true surface\n\n";
-  const json& machine = report["machine"];
-  out += fmt::format("{} at {}x{}; {}, {} threads; {}, commit {}; {:.0f} s.\n\n",
-                     machine["gl_renderer"].get<std::string>(), report["size"][0].get<int>(),
-                     report["size"][1].get<int>(), machine["processor"].get<std::string>(),
-                     machine["cores"].get<int>(), machine["compiler"].get<std::string>(),
-                     machine["commit"].get<std::string>(), number(report["seconds"]));
-  out +=
+/// The scenes one by one, and the times of drawing them; nothing if none was measured.
+std::string scene_chapters(const json& report) {
+  if (report["scenes"].empty()) return "";
+  std::string out =
       "The truth is a picture made by casting a ray through the centre of each pixel to the "
       "analytic surface, which is coloured and lit as by the renderer. PSNR (of sRGB) and SSIM (of "
       "luma) are given over the pixels of the truth, and over the whole picture. Holes are pixels "
@@ -279,8 +272,22 @@ std::string to_render_markdown(const json& report) {
       times_table(report, "surfels") +
       "Table IV: voxels as whole cubes, octree for delta = 5 %.\n\n" +
       times_table(report, "voxels") +
-      "Traversal of the octree of the whole figure on one thread.\n\n" + traversals(report) +
-      playback_table(report) + software_tables(report) + bars_chapter(report);
+      "Traversal of the octree of the whole figure on one thread.\n\n" + traversals(report);
+  return out;
+}
+
+}  // namespace
+
+std::string to_render_markdown(const json& report) {
+  std::string out = "# Pictures against the true surface\n\n";
+  const json& machine = report["machine"];
+  out += fmt::format("{} at {}x{}; {}, {} threads; {}, commit {}; {:.0f} s.\n\n",
+                     machine["gl_renderer"].get<std::string>(), report["size"][0].get<int>(),
+                     report["size"][1].get<int>(), machine["processor"].get<std::string>(),
+                     machine["cores"].get<int>(), machine["compiler"].get<std::string>(),
+                     machine["commit"].get<std::string>(), number(report["seconds"]));
+  out += scene_chapters(report) + playback_table(report) + software_tables(report) +
+         bars_chapter(report);
   return out;
 }
 

@@ -1,6 +1,13 @@
 // What colours show: as --color and --color-range of the desktop player.
 import { COLORS, ColorSource, Light, Vec3 } from "./module";
 
+/** A scalar field, and its values in all frames. */
+export interface ScalarRange {
+  name: string;
+  least: number;
+  most: number;
+  labels: boolean;
+}
 /** A scalar field in place of colours. */
 export interface ScalarChoice {
   field: string;

@@ -1,4 +1,5 @@
 // What a player has open: a reel or live streams, and what fetches and decodes them.
+import { ScalarRange } from "./colors";
 import { WORKERS } from "./device";
 import { Fetcher } from "./fetching";
 import { LivePlayback } from "./live";
@@ -7,7 +8,7 @@ import { load, loadWhole } from "./loading";
 import { Box, FrameFacts, isEmpty, Module, Vec3, viewBox } from "./module";
 import { MadeFrame, ReelPlayback } from "./playback";
 import { Assets, Pool } from "./pool";
-import { Reel, ScalarRange } from "./reel";
+import { Reel } from "./reel";
 import { Sound, Soundtrack } from "./sound";
 import { whyNoVideo } from "./video_decoder";
 

@@ -1,4 +1,5 @@
 // A live stream: the newest frame, as soon as it has come.
+import { ScalarRange } from "./colors";
 import { DECODE_BYTES } from "./device";
 import { refusal } from "./fetching";
 import { Hold } from "./live_sound/hold";
@@ -6,7 +7,7 @@ import type { StreamSound } from "./live_sound/stream_sound";
 import { Box, encode, Module, Vec3, WHOLE_FRAME } from "./module";
 import { MadeFrame } from "./playback";
 import { LostJob, Pool } from "./pool";
-import { reelInfo, ScalarRange, scalarsOf } from "./reel";
+import { reelInfo, scalarsOf } from "./reel";
 import { decoded } from "./sources";
 import { fits, kindOf, Look, preparation, viewOf } from "./view";
 

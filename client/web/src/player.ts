@@ -1,6 +1,6 @@
 // A canvas that plays a reel or live streams. Without controls: element.ts has those.
 import { Camera } from "./camera";
-import { isShadedLate, ScalarChoice } from "./colors";
+import { isShadedLate, ScalarChoice, ScalarRange } from "./colors";
 import { Content, ContentOptions } from "./content";
 import { Environment } from "./environment";
 import { Headset } from "./headset";
@@ -10,7 +10,6 @@ import { Box, ColorSource, Light, Mode, Vec3 } from "./module";
 import type { MadeFrame, ReelPlayback } from "./playback";
 import { Coarsening, FINEST, Pace } from "./pace";
 import { contextOf, DrawOptions, Renderer, ScenePart } from "./renderer/renderer";
-import type { ScalarRange } from "./reel";
 import type { Soundtrack } from "./sound";
 import { Look } from "./view";
 import { WholeView } from "./whole_view";

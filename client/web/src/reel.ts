@@ -1,6 +1,7 @@
 // A reel's manifest, read and checked by the module.
 import { Box, MODES, Module, Vec3 } from "./module";
 import { Camera } from "./camera";
+import { ScalarRange } from "./colors";
 import { Kind } from "./view";
 
 export interface Layers {
@@ -14,13 +15,6 @@ export interface Range {
   layer: number;
   offset: number;
   sizes: [number, number, number];
-}
-/** A scalar field, and its values in all frames. */
-export interface ScalarRange {
-  name: string;
-  least: number;
-  most: number;
-  labels: boolean;
 }
 export interface Segment {
   number: number;

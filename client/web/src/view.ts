@@ -1,8 +1,7 @@
 // What is drawn and from where: PrView and PrPrepare of wasm/module.h.
 import { Camera } from "./camera";
-import { ScalarChoice, showsNormals } from "./colors";
+import { ScalarChoice, ScalarRange, showsNormals } from "./colors";
 import { COLORS, ColorSource, Light, Mode, MODES, Vec3 } from "./module";
-import { ScalarRange } from "./reel";
 
 export interface Look {
   camera: Camera;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "codec/package/coarsening.h"
 #include "common/base/backoff.h"
@@ -17,9 +18,10 @@ namespace pointreel {
 /// has been in time, a single late frame is the machine's fault, which other programs share. The
 /// depth rises again by one level at a time, after a number of frames that would have been in time
 /// with a fifth to spare even with the additional level. That number doubles each time the
-/// additional level turns out to be too much. A level is assumed to double the time, which is less
-/// than it does on most scenes: so no level is given up for good, and thanks to the growing number
-/// of frames, levels that are too much are rarely tried.
+/// additional level turns out to be too much, which it is not if it was in time for a while: then
+/// other programs had the processor. A level is assumed to double the time, which is less than it
+/// does on most scenes: so no level is given up for good, and thanks to the growing number of
+/// frames, levels that are too much are rarely tried.
 class FrameTimeControl {
  public:
   /// `budget_ms` is above 0. `finest` is the depth at the start, which is never exceeded, and
@@ -43,7 +45,7 @@ class FrameTimeControl {
   void lower(int depth, double ms);
   void maybe_raise(int depth, double ms);
 
-  static constexpr int kMaxPatience = 512;  ///< frames
+  static constexpr int kLeastPatience = 8, kMaxPatience = 512;  ///< frames
   static constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
   double budget_ms_;
@@ -53,9 +55,12 @@ class FrameTimeControl {
   double before_ms_ = kUnknown;
   std::uint64_t late_ = 0;
   /// How many frames must be in time before the depth rises.
-  Backoff<int> patience_{8, kMaxPatience};
-  /// How many frames have been in time, and how many have come since the depth last rose.
-  int calm_ = 0, since_raise_ = kMaxPatience;
+  Backoff<int> patience_{kLeastPatience, kMaxPatience};
+  /// How many frames would have been in time with another level.
+  int calm_ = 0;
+  /// How many frames were in time, with a fifth to spare, since the depth last rose; none after it
+  /// fell.
+  std::optional<int> good_;
 };
 
 }  // namespace pointreel

@@ -90,6 +90,20 @@ TEST(FrameTimeControl, returns_to_the_finest_depth_once_the_machine_is_fast_agai
   EXPECT_EQ(control.depth(), 10);
 }
 
+TEST(FrameTimeControl, returns_soon_on_a_machine_that_others_use_again_and_again) {
+  FrameTimeControl control(kBudget, 10);
+  int fine = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const int depth = control.depth();
+    fine += depth == 10 ? 1 : 0;
+    // Of 60 frames, one is late, and then two in a row.
+    const bool late = i % 60 == 20 || i % 60 >= 58;
+    control.told(depth, late ? 3.0 * kBudget : Machine{5.0, 2.0}(depth));
+  }
+  EXPECT_GT(fine, 900);
+  EXPECT_LT(control.late(), 250u);
+}
+
 TEST(FrameTimeControl, does_not_oscillate_between_two_depths) {
   // Depth 9 is so fast that depth 10 seems possible, but it is not.
   for (const double growth : {3.0, 4.0, 8.0}) {

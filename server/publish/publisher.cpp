@@ -307,21 +307,24 @@ class Publisher {
     if (encode_ms_.size() < kMaxTimes) encode_ms_.push_back(ms);
   }
 
+  /// `depth`: of a frame, which took so long.
   void tell_depth(int depth, double ms) {
     const int allowed = time_.depth();
-    const bool lower = allowed < std::min(allowed_, depth);
-    const bool higher = allowed > allowed_;
+    if (allowed < std::min(allowed_, depth)) ++summary_.lowered;
+    if (allowed < allowed_) lowered_ms_ = ms;
     allowed_ = allowed;
-    if (lower) ++summary_.lowered;
     // A machine that is about fast enough goes up and down all the time.
     const Clock::time_point now = Clock::now();
+    const bool lower = allowed < std::min(told_depth_, std::max(depth, summary_.depth_max));
+    const bool higher = allowed > told_depth_;
     if ((!lower && !higher) || (depth_told_ && now - *depth_told_ < kDepthsTold)) return;
     depth_told_ = now;
+    told_depth_ = allowed;
     if (lower)
-      say(fmt::format("encoding took {:.0f} ms, {:.0f} ms are available; depth {} from now on", ms,
-                      frame_time_ms_, allowed));
+      say(fmt::format("encoding took {:.0f} ms, {:.0f} ms are available; depth up to {}",
+                      lowered_ms_, frame_time_ms_, allowed));
     else
-      say(fmt::format("encoding is fast enough again; depth up to {}", allowed));
+      say(fmt::format("encoding is faster again; depth up to {}", allowed));
   }
 
   void say(const std::string& line) {
@@ -368,7 +371,9 @@ class Publisher {
 
   OrderedTurns send_turns_;
   // Used in turns only, as is all that follows.
-  int allowed_ = kMaxDepth;  ///< the depth that was last allowed
+  int allowed_ = kMaxDepth;     ///< the depth that was last allowed
+  int told_depth_ = kMaxDepth;  ///< the one that was last told
+  double lowered_ms_ = 0.0;     ///< what led to the one that is allowed
   std::optional<Clock::time_point> depth_told_;
   bool slow_cleaning_told_ = false;
   std::vector<double> encode_ms_;

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 /// Between two attempts to connect. A server that is available again is found within this time.
 constexpr auto kPause = 300ms;
 /// The same after several connections over which nothing was accepted, such as those for a name
-/// that is taken.
+/// that is taken, and while the token is not valid any more.
 constexpr auto kLongPause = 2000ms;
 /// So many are repeated soon: a broken link is often back at once.
 constexpr int kQuickRetries = 3;
@@ -39,7 +39,8 @@ constexpr auto kReasonTime = 500ms;
 /// The server does not use messages about drops.
 constexpr LiveQueueOptions kQueueOptions{.tell_drops = false};
 
-/// Errors that another attempt does not change, such as a wrong address or token.
+/// Errors that another attempt does not change, such as a wrong address or token. They end an
+/// outbox of which nothing was accepted before.
 bool is_final(ErrorCode code) {
   return code == ErrorCode::argument || code == ErrorCode::refused || code == ErrorCode::not_found;
 }
@@ -137,8 +138,11 @@ void Outbox::run(const std::stop_token& stop) {
       serve(**socket, stop);
       in_vain = statistics().accepted_layers == accepted ? in_vain + 1 : 0;
     } else if (!stop.stop_requested()) {
-      in_vain = 0;
-      if (is_final(socket.error().code)) {
+      // A server that took frames before may take them again, with a token that is valid again.
+      const ErrorCode code = socket.error().code;
+      const bool may_pass = code == ErrorCode::refused && statistics().accepted_layers > 0;
+      in_vain = may_pass ? kQuickRetries + 1 : 0;
+      if (is_final(code) && !may_pass) {
         const std::lock_guard lock(mutex_);
         failure_ = socket.error();
         changed_.notify_all();

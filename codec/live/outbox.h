@@ -54,7 +54,8 @@ class Outbox {
 
   /// Waits until the first attempt to connect has ended, whether it worked or not.
   void wait_until_tried(const std::stop_token& stop);
-  /// The reason why nothing can ever be sent, such as a wrong token; nothing if there is none.
+  /// The reason why nothing can ever be sent, such as a token that was never valid; nothing if
+  /// there is none.
   std::optional<Error> failure() const;
   /// Why nothing can be sent at present; empty if nothing is known to be wrong.
   std::string trouble() const;

@@ -13,6 +13,7 @@
 
 #include "client/source/live_source.h"
 #include "client/source/websocket_live_source.h"
+#include "codec/live/outbox.h"
 #include "server/publish/publisher.h"
 #include "server/relay/relay.h"
 #include "server/serve/http_server.h"
@@ -121,6 +122,27 @@ TEST_F(PublishLinkTest, frames_that_a_broken_link_loses_count_as_dropped) {
     expect_sum(*summary, 12);
     EXPECT_GT(summary->sent.accepted_frames, 0u);
   }
+}
+
+TEST_F(PublishLinkTest, a_publisher_whose_token_is_not_valid_any_more_waits_until_it_is) {
+  start(0ms);
+  server_->set_tokens("", "show");
+  Outbox outbox({.url = stream() + "?publish", .token = "show"});
+  outbox.hello(publisher_message());
+  std::uint32_t frame = 0;
+  const auto is_accepted = [&] {
+    const std::uint64_t before = outbox.statistics().accepted_frames;
+    outbox.push(++frame, {layer_message(frame, 0, 1)});
+    return wait_until([&] { return outbox.statistics().accepted_frames > before; });
+  };
+  ASSERT_TRUE(is_accepted());
+  server_->set_tokens("", "other");
+  ASSERT_TRUE(link_->run({{0ms, "reset"}}));
+  EXPECT_TRUE(wait_until([&] { return outbox.trouble().find("401") != std::string::npos; }));
+  EXPECT_FALSE(outbox.failure());
+  server_->set_tokens("", "show");
+  EXPECT_TRUE(is_accepted());
+  EXPECT_EQ(outbox.trouble(), "");
 }
 
 TEST_F(PublishLinkTest, a_viewer_behind_such_a_round_trip_stays_connected_while_nothing_comes) {

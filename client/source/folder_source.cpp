@@ -72,6 +72,7 @@ Result<std::unique_ptr<Source>> open_files(const std::vector<std::filesystem::pa
         std::llround(1e6 * static_cast<double>(frame) / manifest.fps));
   };
   manifest.duration_us = time_of(files.size());
+  if (recorded) manifest.captured_us = sequence.captured_us();
 
   const auto read = [&](const CloudFrame& file) -> Result<LoadedCloud> {
     if (options.stop.stop_requested())

@@ -96,6 +96,8 @@ class PackageWriter::Impl {
     }());
   }
 
+  void captured(std::uint64_t unix_us) { manifest_.captured_us = unix_us; }
+
   std::vector<std::string> take_warnings() { return std::exchange(lines_, {}); }
 
  private:
@@ -164,8 +166,8 @@ Result<PackageWriter> PackageWriter::create(const PackOptions& options) {
   TRY(check(options));
   std::error_code absent;
   if (!options.force && !std::filesystem::is_empty(options.output, absent) && !absent)
-    return fail(ErrorCode::argument,
-                options.output.string() + ": exists; name another folder, or allow to replace it");
+    return fail(ErrorCode::argument, options.output.string() +
+                                         ": exists; name another folder, or replace it by --force");
   OutputFolder folder = TRY(OutputFolder::create(
       options.output, options.force ? may_replace_package : OutputFolder::MayReplace{}));
   auto impl = std::make_unique<Impl>(options, std::move(folder));
@@ -177,6 +179,8 @@ Result<void> PackageWriter::add(PointCloud cloud, std::optional<std::uint64_t> t
                                 const std::stop_token& stop) {
   return impl_->add(std::move(cloud), time_us, stop);
 }
+
+void PackageWriter::captured(std::uint64_t unix_us) { impl_->captured(unix_us); }
 
 Result<void> PackageWriter::finish(const std::stop_token& stop) { return impl_->finish(stop); }
 

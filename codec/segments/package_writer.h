@@ -38,6 +38,9 @@ class PackageWriter {
   Result<void> add(PointCloud cloud, std::optional<std::uint64_t> time_us = {},
                    const std::stop_token& stop = {});
 
+  /// The Unix time at which the package begins. Without it, the package does not tell.
+  void captured(std::uint64_t unix_us);
+
   /// Writes the rest and puts the package in its place. Errors: `argument` if there are no frames.
   Result<void> finish(const std::stop_token& stop = {});
 

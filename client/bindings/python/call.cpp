@@ -25,6 +25,7 @@ std::string for_python(const std::string& line) {
       {"--token", "token"},
       {"--ca-file", "ca_file"},
       {"--best-effort", "best_effort=True"},
+      {"--force", "replace=True"},
       {"--bitrate", "bitrate"},
       {"--codec octree", "codec=\"octree\""},
       {"--codec video", "codec=\"video\""},

@@ -333,6 +333,7 @@ class PyWriter {
     add(std::move(copy), microseconds(time));
   }
 
+  void captured(double unix_time) { writer_.captured(*microseconds(unix_time)); }
   void finish() {
     interruptible([&](const std::stop_token& stop) { return writer_.finish(stop); });
   }
@@ -605,6 +606,7 @@ PYBIND11_MODULE(_native, module) {
            py::overload_cast<const Positions&, const Attribute&, const Attribute&, const Vector&,
                              const py::dict&, std::optional<double>>(&PyWriter::add))
       .def("add_frame", &PyWriter::add_frame)
+      .def("captured", &PyWriter::captured)
       .def("finish", &PyWriter::finish)
       .def("said", &PyWriter::said);
 

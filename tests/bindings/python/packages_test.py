@@ -339,12 +339,27 @@ class Times(TemporaryFolder):
                                              (pointreel.clean(reel), [0.0, 0.1, 0.4, 0.5]),
                                              (list(reel), [0.0, 0.1, 0.2, 0.3]))):
             path = self.folder / str(i)
-            pointreel.pack(frames, path)
-            packed = pointreel.open(path)
             is_list = isinstance(frames, list)
+            with warnings.catch_warnings(record=True) as said:
+                warnings.simplefilter("always")
+                pointreel.pack(frames, path)
+            self.assertEqual(["pass fps=10 to keep" in str(one.message) for one in said],
+                             [True] * is_list)
+            packed = pointreel.open(path)
             self.assertEqual((packed.fps, packed.up), (30.0 if is_list else 10.0, "z"))
             if not is_list:
                 np.testing.assert_allclose(packed.times, times)
+        cleaned = list(pointreel.clean(reel))
+        self.assertEqual(cleaned[2].up, "z")
+        pointreel.pack(cleaned, self.folder / "cleaned")
+        self.assertEqual(pointreel.open(self.folder / "cleaned").up, "z")
+        tall = pointreel.Points(lattice() * (1.0, 1.0, 4.0), up="z")
+        standing, again, lying = (
+            pointreel.render(points, size=(64, 48), **options)
+            for points, options in ((tall, {}), (tall._replace(up=None), {"up": "z"}),
+                                    (tall, {"up": "y"})))
+        np.testing.assert_array_equal(standing, again)
+        self.assertTrue((standing != lying).any())
         pointreel.pack(reel[::-1], self.folder / "backward", fps=5, up="x")
         backward = pointreel.open(self.folder / "backward")
         self.assertEqual((backward.fps, backward.up), (5.0, "x"))
@@ -354,6 +369,12 @@ class Times(TemporaryFolder):
         reel = self.reel([1.7e9, 1.7e9 + 0.5, 1.7e9 + 2.0])
         np.testing.assert_allclose(reel.times, [0.0, 0.5, 2.0])
         self.assertLess(reel.duration, 3.0)
+        self.assertAlmostEqual(reel.captured, 1.7e9)
+        for i, frames in enumerate((reel, pointreel.clean(reel))):
+            pointreel.pack(frames, self.folder / str(i))
+            self.assertAlmostEqual(pointreel.open(self.folder / str(i)).captured, 1.7e9)
+        pointreel.pack(reel[1:], self.folder / "later")
+        self.assertAlmostEqual(pointreel.open(self.folder / "later").captured, 1.7e9 + 0.5)
 
 
 if __name__ == "__main__":

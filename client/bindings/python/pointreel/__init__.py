@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from . import _native
 from ._arguments import (_Axis, _check, _check_counts, _check_numbers, _check_texts, _color, _error,
-                         _index, _named, _path, _Steps, _up_of, _vector, _warn)
+                         _index, _named, _path, _Rate, _Steps, _up_of, _vector, _warn)
 from ._native import Error, Frame, __version__
 from ._points import Points, _arrays, _at_frame, _check_frames, _give, _points_of
 
@@ -75,6 +75,12 @@ class Frames(Sequence[Frame]):
     def up(self) -> str:
         """The axis that points up: x, -x, y, -y, z or -z."""
         return self._reel.up
+
+    @property
+    def captured(self) -> Optional[float]:
+        """Unix time at which the first of them was captured, where it is known."""
+        captured, start = self._reel.captured, _start_of(self)
+        return None if captured is None or start is None else captured + start
 
     def __repr__(self) -> str:
         return f"<{len(self)} frames of {self._reel!r}>"
@@ -124,13 +130,24 @@ class Reel(_Source[_native.Reel], Frames):
         _Source.__init__(self, native, layers, max_memory)
         Frames.__init__(self, self, range(len(native)))
         self._ahead_frames = ahead
-        self.metadata: Dict[str, Any] = json.loads(native.metadata())
-        """What the package's reel.json says."""
-        self.times: NDArray[np.float64] = native.times()
-        """When each frame is shown: seconds from the reel's start."""
-        self.bounds: Optional[NDArray[np.float64]] = native.bounds()
-        """The smallest and the largest coordinates of all frames, 2 x 3."""
+        self._metadata: Dict[str, Any] = json.loads(native.metadata())
+        self._times, self._bounds = native.times(), native.bounds()
         _tell(native)
+
+    @property
+    def metadata(self) -> Dict[str, Any]:
+        """What the package's reel.json says."""
+        return self._metadata
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """When each frame is shown: seconds from the reel's start."""
+        return self._times
+
+    @property
+    def bounds(self) -> Optional[NDArray[np.float64]]:
+        """The smallest and the largest coordinates of all frames, 2 x 3."""
+        return self._bounds
 
     @property
     def name(self) -> str:
@@ -354,7 +371,7 @@ class _Cleaned(Iterator[Points]):
     """Cleaned frames, with what `pack` takes from a reel."""
 
     def __init__(self, frames: Iterable[Any], cleaner: _native.Cleaner):
-        for name in ("fps", "up"):
+        for name in ("fps", "up", "captured"):
             if hasattr(frames, name):
                 setattr(self, name, getattr(frames, name))
         self._points = self._clean(frames, cleaner)
@@ -364,7 +381,7 @@ class _Cleaned(Iterator[Points]):
 
     @staticmethod
     def _clean(frames: Iterable[Any], cleaner: _native.Cleaner) -> Iterator[Points]:
-        times: Deque[Optional[float]] = collections.deque()
+        known: Deque[Tuple[Optional[float], Optional[str]]] = collections.deque()
         start = _start_of(frames)
 
         def cleaned() -> Iterator[Points]:
@@ -372,14 +389,15 @@ class _Cleaned(Iterator[Points]):
                 frame = cleaner.next()
                 if frame is None:
                     return
-                yield _points_of(frame)._replace(time=times.popleft())
+                time, up = known.popleft()
+                yield _points_of(frame)._replace(time=time, up=up)
 
         for item in frames:
             if isinstance(item, Frame):
-                times.append(None if start is None else item.time - start)
+                known.append((None if start is None else item.time - start, item.up))
             else:
                 item = _points_of(item)
-                times.append(item.time)
+                known.append((item.time, item.up))
             _give(item, cleaner.add, cleaner.add_frame)
             yield from cleaned()
         cleaner.end()
@@ -408,9 +426,9 @@ def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: Opti
     frames: for each frame its positions, (positions, colors), (positions, colors, normals),
     `Points`, a dict with the same names, a `Frame`, or anything with points, colors and normals, as
     Open3D's PointCloud. They may come from a generator: only a segment of them is held. Of a reel, a
-    part of it, or `clean` of these, times, `fps` and `up` are kept; of a list of its frames, `up`.
-    fps: by default that of the reel, or 30. up: the axis that points up, by default that of the
-    reel, or y.
+    part of it, or `clean` of these, times, `fps`, `up` and `captured` are kept; of a list of its
+    frames, `up` alone. fps: by default that of the reel, or 30. up: the axis that points up, by
+    default that of the reel, or y.
 
     The package is complete or absent, whatever fails. replace: one that is already there. segment:
     frames that share a cube and a file, 30, or of video 48. cube: "group", or "frame" for a cube of
@@ -428,6 +446,7 @@ def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: Opti
     encoding = _encoding(codec, depth, voxel, delta, color_quality, normal_quality, fast,
                          scalar_steps)
     _check_frames(frames, "pack", ", path")
+    rate = None if fps is not None or hasattr(frames, "fps") else _Rate(30.0)
     fps = getattr(frames, "fps", 30.0) if fps is None else fps
     axis = _Axis(up, _up_of(frames))
     up = axis.up
@@ -442,6 +461,7 @@ def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: Opti
                               bool(best_effort))
     writer = _native.Writer(_path(path), name, fps, up, bool(replace), packing)
     start, unix_start = _start_of(frames), None
+    captured = getattr(frames, "captured", None)
     count = 0
     for item in frames:
         time = None
@@ -449,15 +469,19 @@ def pack(frames: Iterable[Any], path: Union[str, os.PathLike[str]], *, fps: Opti
         with _at_frame(count):
             if isinstance(item, Frame):
                 time = None if start is None else item.time - start
+                if rate is not None:
+                    rate.see(item)
             else:
                 item = _points_of(item)
                 if count == 0 and item.time is not None and item.time >= _EARLIEST:
-                    unix_start = item.time
+                    captured = unix_start = item.time
                 if unix_start is not None and item.time is not None:
                     item = item._replace(time=item.time - unix_start)
             _give(item, writer.add, writer.add_frame, time)
         _tell(writer)
         count += 1
+    if captured is not None:
+        writer.captured(captured)
     writer.finish()
     _tell(writer)
     return count
@@ -534,9 +558,10 @@ def publish(url: str, *, token: str = "", ca_file: str = "", name: str = "", fps
     """Publishes frames as they come: `with pointreel.publish(url) as stream: stream.send(frame)`.
 
     url: ws(s)://HOST/live/NAME on a server that was started with --live. token: the server's for
-    publishers. fps: the nominal frame rate. up: the axis that points up, by default y. A lost
-    connection is restored, and a program that was killed and started again by the same user takes
-    the name back at once. The rest is as for `encode`, but octrees are `fast` by default.
+    publishers. fps: the nominal frame rate; each frame leaves when `send` is called. up: the axis
+    that points up, by default y. A lost connection is restored, and a program that was killed and
+    started again by the same user takes the name back at once. The rest is as for `encode`, but
+    octrees are `fast` by default.
     """
     encoding = _encoding(codec, depth, voxel, delta, color_quality, normal_quality,
                          fast and codec == "octree", scalar_steps)
@@ -561,13 +586,14 @@ def render(frame: Any, *, size: Tuple[int, int] = (1280, 720), mode: str = "surf
     back, left, right, top or bottom, or yaw and pitch of the camera in degrees, (0, 0) from the
     front; by default slightly from above. bounds: what the picture shows, 2 x 3; give `reel.bounds`
     to draw several frames alike. target: what the camera looks at, a point, or feet, middle or head;
-    by default the middle of `bounds`. up: the axis that points up, by default that of the frame's
-    reel, or y. color: colors, normals, plain, curvature, accessibility, depth, contours, or the name
+    by default the middle of `bounds`. up: the axis that points up, by default that of the
+    frame, or y. color: colors, normals, plain, curvature, accessibility, depth, contours, or the name
     of a scalar field; color_range: the values at the ends of its ramp, by default those of the reel,
     or of the frame. light: flat, studio or none. background: three numbers from 0 to 1, or "#rrggbb".
     """
-    if up is None:
-        up = frame.up if isinstance(frame, Frame) else "y"
+    if isinstance(frame, (Frames, Live)):
+        raise TypeError(f"frame is a single frame, such as reel[0], not {type(frame).__name__}")
+    up = up or _up_of(frame) or "y"
     _check_texts(mode=mode, up=up, color=color, light=light)
     _check_numbers(zoom=zoom)
     height = None
@@ -580,7 +606,7 @@ def render(frame: Any, *, size: Tuple[int, int] = (1280, 720), mode: str = "surf
     try:
         width, rows = map(operator.index, size)
     except (TypeError, ValueError):
-        raise ValueError("size is the width and the height in pixels") from None
+        raise ValueError("size is the width and the height in pixels, as whole numbers") from None
     _check_counts(width=width, height=rows)
     angles = None
     if view is not None:

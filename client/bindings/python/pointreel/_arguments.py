@@ -119,17 +119,37 @@ class _Axis:
         self._is_guess = up is None
 
     def see(self, frame: Any) -> None:
-        if self._is_guess and isinstance(frame, Frame) and frame.up != self.up:
+        up = _up_of(frame)
+        if self._is_guess and up not in (None, self.up):
             self._is_guess = False
-            _warn(f"{frame.up} points up in the frames, but {self.up} in what is written; pass "
-                  f"up={frame.up!r} to keep their axis")
+            _warn(f"{up} points up in the frames, but {self.up} in what is written; pass "
+                  f"up={up!r} to keep their axis")
+
+
+class _Rate:
+    """Warns where frames of a reel, one after another, do not keep its rate in what is written."""
+
+    def __init__(self, fps: float):
+        self._fps, self._last, self._is_right = fps, None, True
+
+    def see(self, frame: Frame) -> None:
+        if not self._is_right:
+            return
+        last, self._last = self._last, frame.time
+        if last is not None and self._last > last:
+            rate = 1.0 / (self._last - last)
+            if not 0.8 < rate / self._fps < 1.25:
+                self._is_right = False
+                _warn(f"the frames come from a reel with {rate:.4g} of them per second, and are "
+                      f"written with {self._fps:.4g}; pass fps={rate:.4g} to keep their rate")
 
 
 def _up_of(frames: Any) -> Optional[str]:
-    """The axis that points up in a reel, in a part of it, or in a list of its frames, if known."""
-    if isinstance(frames, (list, tuple)):
-        frames = next((frame for frame in frames if isinstance(frame, Frame)), None)
-    return getattr(frames, "up", None)
+    """The axis that points up in a frame, in a reel, in a part of it, or in a list of its frames, if
+    known."""
+    if isinstance(frames, (list, tuple)) and not hasattr(frames, "up"):
+        return next((up for up in map(_up_of, frames) if up is not None), None)
+    return frames.get("up") if isinstance(frames, dict) else getattr(frames, "up", None)
 
 
 def _index(index: Any, count: int) -> int:

@@ -31,6 +31,8 @@ class Points(NamedTuple):
     scalars: Optional[Mapping[str, Any]] = None
     """Up to 8 scalar fields, such as intensities or classes: name to n numbers, NaN where unknown.
     Draco frames leave them out."""
+    up: Optional[str] = None
+    """The axis that points up, where it is known: x, -x, y, -y, z or -z."""
 
 
 def _arrays(points: Points) -> Tuple[NDArray[Any], Optional[NDArray[Any]],
@@ -56,10 +58,12 @@ def _points_of(item: Any) -> Points:
     """The points of whatever `pack` takes as a frame."""
     if isinstance(item, Points):
         _check_numbers(time=item.time)
+        if item.up is not None:
+            _check_texts(up=item.up)
         return item
     if isinstance(item, Frame):
         return Points(item.positions, item.colors, item.normals, _vector(item.origin, "origin"),
-                      scalars=item.scalars)
+                      scalars=item.scalars, up=item.up)
     if isinstance(item, dict):
         unknown = set(item) - set(Points._fields)
         if unknown:
@@ -101,7 +105,8 @@ def _colors(values: Any) -> Optional[NDArray[Any]]:
         # Interpolated colors may be a little outside.
         outside = array[(array < -0.1) | (array > 1.1)]
         if outside.size:
-            raise ValueError(f"float colors must be from 0 to 1, and there is a {outside[0]:g}")
+            raise ValueError(f"float colors must be from 0 to 1, and there is a {outside[0]:g}"
+                             + (": divide by 255" if 1.1 < outside.max() <= 255.0 else ""))
         unknown = np.count_nonzero(np.isnan(array))
         if unknown:
             _warn(f"{unknown} values of colors are not numbers and become 0")
@@ -155,7 +160,8 @@ def _at_frame(index: int) -> Iterator[None]:
 def _check_frames(frames: Any, function: str, rest: str = "") -> None:
     is_arrays = (isinstance(frames, tuple) and len(frames) in (2, 3) and
                  all(isinstance(part, np.ndarray) for part in frames))
-    if is_arrays or isinstance(frames, (str, bytes, os.PathLike, np.ndarray, Frame, Points, dict)):
+    if frames is None or is_arrays or isinstance(
+            frames, (str, bytes, os.PathLike, np.ndarray, Frame, Points, dict)):
         raise TypeError(f"frames is a list of frames, not {type(frames).__name__}; give one frame "
                         f"as {function}([frame]{rest}), and files as "
                         f"{function}(pointreel.open(file){rest})")

@@ -64,26 +64,27 @@ void print(const std::vector<Bar>& bars, bool quick) {
   print("\n");
   if (quick) print("{}\n", kNotJudged);
   for (const Bar& bar : bars) {
-    const char* verdict = bar.holds() ? "holds" : "FAILS";
-    print("{:<5} {:<52} {:>9.3f} {:<4} (bar: {} {:g})\n", quick ? "" : verdict, bar.name, bar.value,
-          bar.unit, bar.at_least ? "at least" : "at most", bar.limit);
+    if (quick) {
+      print("      {:<52} {:>9.3f} {}\n", bar.name, bar.value, bar.unit);
+    } else {
+      print("{} {:<52} {:>9.3f} {:<4} (bar: {} {:g})\n", bar.holds() ? "holds" : "FAILS", bar.name,
+            bar.value, bar.unit, bar.at_least ? "at least" : "at most", bar.limit);
+    }
   }
 }
 
 std::string bars_chapter(const nlohmann::json& report) {
-  const bool quick = report["quick"].get<bool>();
+  if (report["quick"].get<bool>()) return fmt::format("## Bars\n\n{}\n", kNotJudged);
   Table table({"bar", "value", "limit", ""});
   for (const nlohmann::json& bar : report["bars"]) {
     const auto with_unit = [&](const char* key) {
       const std::string unit = bar["unit"];
       return fmt::format("{:.4g}{}{}", bar[key].get<double>(), unit.empty() ? "" : " ", unit);
     };
-    const char* verdict = bar.value("holds", false) ? "holds" : "**fails**";
-    table.row({bar["name"], with_unit("value"), with_unit("limit"), quick ? "" : verdict});
+    table.row({bar["name"], with_unit("value"), with_unit("limit"),
+               bar.value("holds", false) ? "holds" : "**fails**"});
   }
-  return fmt::format("## Bars\n\n{}\n\n{}",
-                     quick ? kNotJudged : "The limits that these figures should meet.",
-                     table.text());
+  return "## Bars\n\nThe limits that these figures should meet.\n\n" + table.text();
 }
 
 }  // namespace pointreel::bench

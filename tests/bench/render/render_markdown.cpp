@@ -259,8 +259,13 @@ std::string scene_chapters(const json& report) {
     out += limits_of(scene);
   }
   out +=
-      "\n## Times: Tables II and IV of Slomp et al., Geometry Instancing\n\nMilliseconds per "
-      "picture, as the mean over the first and the last view, of frames that are already uploaded. "
+      std::string("\n## Times: Tables II and IV of Slomp et al., Geometry Instancing\n\n") +
+      (report["quick"].get<bool>()
+           ? "**A quick run: small pictures, whose times, PSNR and holes are not those of the full "
+             "run.**\n\n"
+           : "") +
+      "Milliseconds per picture, as the mean over the first and the last view, of frames that are "
+      "already uploaded. "
       "Each cell has the median (least to most) of " +
       std::to_string(report["runs"].get<int>()) + " runs that take turns, " +
       (report["stopwatch"] == "gpu" ? "by timer queries"

@@ -211,9 +211,24 @@ InspectListener listener_for(const char* label, std::unique_ptr<Progress>& progr
   return listener;
 }
 
-std::string fault_line(const Fault& fault) {
-  if (!fault.frame) return fmt::format("{}: {}", fault.file, fault.what);
-  return fmt::format("{}: frame {}: {}", fault.file, *fault.frame, fault.what);
+/// One for each run of frames with the same fault, such as those of a missing file.
+std::vector<std::string> fault_lines(const std::vector<Fault>& faults) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < faults.size();) {
+    const Fault& first = faults[i++];
+    std::uint32_t last = first.frame.value_or(0);
+    while (first.frame && i < faults.size() && faults[i].frame == last + 1 &&
+           faults[i].file == first.file && faults[i].what == first.what) {
+      ++last;
+      ++i;
+    }
+    const std::string frames =
+        !first.frame ? ""
+                     : fmt::format("{} {}: ", last == *first.frame ? "frame" : "frames",
+                                   span_text(*first.frame, last));
+    lines.push_back(fmt::format("{}: {}{}", first.file, frames, first.what));
+  }
+  return lines;
 }
 
 ordered_json verify_json(const VerifyReport& report) {
@@ -252,7 +267,7 @@ int run_verify(const std::string& reel, bool json, std::uint64_t max_memory,
     print("{}: OK, {} in {}, {}\n", files->shown(), counted(report->frames, "frame"),
           counted(report->files, "file"), counted(report->bytes, "byte"));
   } else {
-    for (const Fault& fault : report->faults) print("{}\n", fault_line(fault));
+    for (const std::string& line : fault_lines(report->faults)) print("{}\n", line);
     print("{}: {}\n", files->shown(), counted(report->faults.size(), "fault"));
   }
   return report->faults.empty() ? kExitOk : kExitFailed;
@@ -299,7 +314,7 @@ int run_unpack(UnpackOptions options, const std::string& frames, const std::stri
       takes_z && manifest->up != Up('z')) {
     print_error(
         fmt::format("the axes stay as they are: {0} points up, but readers of {1} files take "
-                    "z; pack them again with --up {0}",
+                    "z; to pack what was unpacked, give --up {0}",
                     manifest->up.text(), options.recording ? "MCAP" : "LAS"));
   }
   if (!report->lost.empty()) print_error(describe_lost(report->lost));

@@ -146,6 +146,7 @@ class Rereading {
   Rereading(ServeArguments arguments, std::vector<std::string> command_line, Catalog catalog,
             HttpServer& server, Log& log)
       : arguments_(std::move(arguments)),
+        listen_(arguments_.listen),
         command_line_(std::move(command_line)),
         catalog_(std::move(catalog)),
         server_(server),
@@ -179,7 +180,7 @@ class Rereading {
           {{"fault", "a token is missing, so nothing changes; restart to serve without it"}});
       return;
     }
-    if (arguments->listen != arguments_.listen)
+    if (arguments->listen != listen_)
       log_.write(Log::Level::kWarning, "reread",
                  {{"what", "restart to listen on " + arguments->listen}});
     server_.set_tokens(service.view_token, service.publish_token);
@@ -214,6 +215,7 @@ class Rereading {
   }
 
   ServeArguments arguments_;
+  const std::string listen_;  ///< the address until the end of the program
   const std::vector<std::string> command_line_;
   Catalog catalog_;
   HttpServer& server_;

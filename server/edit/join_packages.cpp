@@ -135,7 +135,7 @@ Result<JoinedPackages> join_packages(const JoinOptions& options, const std::stop
     TRY(put_file(options.inputs.front(), *manifest.tables, folder.path(), manifest.tables->path));
   manifest.audio = TRY(join_sound(options, whole.parts, folder.path(), stop));
   JoinedPackages joined;
-  joined.frames = manifest.frame_count();
+  joined.frames = static_cast<std::uint32_t>(shown_frames(manifest).size());
   joined.segments = static_cast<std::uint32_t>(manifest.segments.size());
   joined.audio = manifest.audio;
   for (std::size_t i = 0; manifest.audio && i < whole.parts.size(); ++i)

@@ -224,6 +224,9 @@ TEST_P(EndToEnd, a_damaged_segment_is_found_and_named) {
   EXPECT_EQ(verified.exit_code, 1);
   EXPECT_NE((verified.out + verified.err).find(largest.filename().string()), std::string::npos)
       << verified.out << verified.err;
+  fs::remove(largest);
+  const std::string missing = run("pointreel-server", {"verify", reel().string()}).out;
+  EXPECT_LE(std::count(missing.begin(), missing.end(), '\n'), 3) << "frames with the same fault";
 }
 
 TEST(EndToEndErrors, are_printed_in_one_line_that_names_the_problem_and_its_place) {

@@ -384,6 +384,8 @@ class ConfigFile : public CLI::Config {
     if ((option->get_items_expected_max() == 0) != setting.is_flag)
       return setting.is_flag ? setting.name + " takes a value, not true or false"
                              : setting.name + " is true or false";
+    if (setting.values.size() > 1 && option->get_items_expected_max() == 1)
+      return setting.name + " takes one value, not a list";
     return {};
   }
 

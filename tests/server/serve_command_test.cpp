@@ -327,6 +327,7 @@ TEST_F(ServeCommandTest, says_nothing_of_tokens_in_a_configuration_file_that_it_
         {"[Serve]\nview-token = \"SECRET\"\n", "line 2: this stands below no line [serve]"},
         {"[serve]\nlive = 5\n", "line 2: live is true or false"},
         {"[serve]\nview-token = true\n", "line 2: view-token takes a value, not true or false"},
+        {"[serve]\nview-token = [\"a\", \"SECRET\"]\n", "line 2: view-token takes one value"},
         {"[serve]\nview-tokn = \"SECRET\"\n", "line 2: serve has no option view-tokn"}}) {
     std::ofstream(config) << text;
     const std::string failure = failure_of({reel_.string(), "--config", config.string()});

@@ -1,10 +1,13 @@
 #include "codec/video_encode/av1_encoder.h"
 
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
 
+#include <sched.h>
 #include <svt-av1/EbSvtAv1Enc.h>
 
 #include "common/base/concat.h"
@@ -16,6 +19,17 @@ namespace {
 /// Before there are threads: the library prints about itself unless its environment says otherwise,
 /// and has no other way to stop it. 1 leaves errors.
 [[maybe_unused]] const int kQuiet = setenv("SVT_LOG", "1", 0);
+
+/// As root, the library gives its threads the highest priority of real time, with which they keep
+/// all other programs, and the rest of this one, from the processors.
+void give_up_real_time() {
+  std::error_code none;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", none)) {
+    const pid_t id = std::atoi(thread.path().filename().c_str());
+    const sched_param usual{};
+    if (sched_getscheduler(id) == SCHED_FIFO) sched_setscheduler(id, SCHED_OTHER, &usual);
+  }
+}
 
 /// An encoder, which is closed at the end.
 class Encoder {
@@ -64,6 +78,7 @@ class Encoder {
       return failed("start");
     }
     begun_ = true;
+    give_up_real_time();
     return {};
   }
 

@@ -2,6 +2,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
+#include <filesystem>
 #include <random>
 #include <set>
 #include <string>
@@ -9,11 +11,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include "codec/video/occupancy.h"
 #include "codec/video/surface_voxels.h"
 #include "codec/video/video_decoder.h"
 #include "codec/video/video_group.h"
+#include "codec/video_encode/av1_encoder.h"
 #include "codec/video_encode/video_encoder.h"
 #include "pointreel/cloud.h"
 #include "tests/pointers_to.h"
@@ -228,6 +232,18 @@ TEST(Video, is_the_same_from_any_number_of_threads) {
     for (int i = count; i-- > 0;) body(i);
   };
   EXPECT_EQ(encode_video_group(pointers_to(frames()), kCorner, many).value(), encoded());
+}
+
+TEST(Video, leaves_the_processors_to_other_programs_also_for_root) {
+  int threads = 0;
+  const auto encoded = encode_av1({.width = 64, .height = 64, .frames = 2}, [&](int, Yuv&) {
+    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
+      ++threads;
+      EXPECT_NE(sched_getscheduler(std::atoi(thread.path().filename().c_str())), SCHED_FIFO);
+    }
+  });
+  ASSERT_TRUE(encoded) << encoded.error().message;
+  EXPECT_GT(threads, 10);
 }
 
 TEST(Video, begins_with_the_first_frame_of_a_group_and_goes_on_in_order) {

@@ -1,7 +1,7 @@
 // What a player has open: a reel or live streams, and what fetches and decodes them.
 import { ScalarRange } from "./colors";
 import { WORKERS } from "./device";
-import { Fetcher } from "./fetching";
+import { checkToken, Fetcher } from "./fetching";
 import { LivePlayback } from "./live";
 import { LiveSounds } from "./live_sound/live_sounds";
 import { load, loadWhole } from "./loading";
@@ -73,7 +73,7 @@ export class Content {
   static async open(base: URL, sources: readonly string[], token: string | null, options: ContentOptions & PlayerState,
                     changed: () => void, waits: (why: string | null) => void, signal: AbortSignal): Promise<Content> {
     const urls = sources.map(addressOf);
-    if (token && /[^!-~]/.test(token)) throw new Error("the token has a blank or another character that no token may have");
+    checkToken(token);
     const isLive = urls.every((url) => /^wss?:$/.test(url.protocol));
     const fetcher: Fetcher | null = isLive ? null : new Fetcher(urls[0]!, token, () => waits(fetcher!.trouble));
     const [manifest, { assets, module }] = await Promise.all([fetcher?.manifest(signal), load(base)]);

@@ -31,6 +31,11 @@ async function unlessStalled<T>(coming: Promise<T>, ms = STALL_MS): Promise<T> {
 /** What begins the line that says that a token is missing or wrong. */
 export const WANTS_TOKEN = "the server wants a valid token";
 
+/** Throws where no request may have this token. */
+export function checkToken(token: string | null): void {
+  if (token && /[^!-~]/.test(token)) throw new Error(`${WANTS_TOKEN}: this one has a blank or another character that no token may have`);
+}
+
 /** What a person should know of an answer that is not the content. */
 export function refusal(response: Response): string {
   if (response.status === 401)

@@ -3,7 +3,7 @@ import { element } from "./controls/dom";
 import { bytesText, timeText } from "./controls/time_text";
 import "./element";
 import type { PointreelPlayer } from "./element";
-import { refusal } from "./fetching";
+import { checkToken, refusal } from "./fetching";
 
 interface Reel { name: string; url: string; manifest: string; frames: number; fps: number; duration_us: number; bytes: number; codec: string; changed_us?: number; captured_us?: number }
 interface Stream { name: string; url: string; publishing: boolean; viewers: number }
@@ -45,6 +45,7 @@ interface Listed { packages?: Reel[]; streams?: Stream[] }
 
 /** What the server lists; or, if it serves files and nothing else, the file that `pointreel-server page` has written. */
 async function fetchList(base: URL, token: string | null): Promise<{ list: Listed; fromFile: boolean }> {
+  checkToken(token);
   const headers = new Headers({ Accept: "application/json" });
   if (token) headers.set("Authorization", `Bearer ${token}`);
   const response = await fetch(base, { headers, cache: "no-cache" });

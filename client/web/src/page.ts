@@ -13,7 +13,7 @@ const query = new URLSearchParams(location.search);
 // page's files are found below BASE/live, too.
 const base = new URL(new URL("../../", import.meta.url).pathname.replace(/live\/$/, ""), location.href);
 // A token in the fragment never reaches the server's log.
-const tokenOf = () => new URLSearchParams(location.hash.slice(1)).get("token");
+const tokenOf = () => new URLSearchParams(location.hash.slice(1)).get("token")?.trim() ?? null;
 const token = tokenOf();
 
 /** The addresses to play, or null for the list. */

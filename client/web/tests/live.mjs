@@ -85,12 +85,12 @@ test("a link that names very many streams opens some of them and says so", async
 test("without the right token, one line says what to do", async () => {
   const server = await serveLive();
   const publisher = publishTo(server.address, "alice");
-  for (const token of ["", "#token=wrong"]) {
+  for (const token of ["", "#token=wrong", "#token=a%00b"]) {
     const { tab, close } = await open(`http://${server.address}/live/alice${token}`);
     await says(tab, "valid token");
     await until(tab, `document.querySelector("pointreel-player").shadowRoot.textContent.includes("valid token")`,
                 "a person sees it");
-    await tab.fill(".token input", "see");
+    await tab.fill(".token input", " see ");
     await Promise.all([tab.waitForEvent("load"), tab.keyboard.press("Enter")]);
     await moves(tab);
     await close();

@@ -155,6 +155,7 @@ export class Controls implements Interface {
     this.statistics.update();
     const trouble = player.trouble;
     this.trouble.hidden = !trouble;
+    this.trouble.classList.toggle("alone", player.pictures === 0);
     if (trouble && this.trouble.textContent !== trouble) this.trouble.textContent = trouble;
   }
 }

@@ -22,24 +22,19 @@ endif()
 if(POINTREEL_SANITIZE)
   # Without vptr, because this check opens a pipe and reports an error if it cannot, as in a test
   # that leaves the server without file descriptors.
-  target_compile_options(pointreel_flags INTERFACE -fsanitize=address,undefined
+  target_compile_options(pointreel_flags INTERFACE -fsanitize=fuzzer-no-link,address,undefined
     -fno-sanitize=vptr -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   target_link_options(pointreel_flags INTERFACE -fsanitize=address,undefined)
+  # libFuzzer looks at the counters of all code after each input, so code that nothing calls is left
+  # out.
+  target_compile_options(pointreel_flags INTERFACE -ffunction-sections)
+  target_link_options(pointreel_flags INTERFACE LINKER:--gc-sections,-z,start-stop-gc)
 endif()
 if(POINTREEL_SANITIZE_THREADS)
   # ThreadSanitizer does not understand Asio's fences, and g++ warns at each of them.
   target_compile_options(pointreel_flags INTERFACE
     -fsanitize=thread -fno-omit-frame-pointer -Wno-tsan)
   target_link_options(pointreel_flags INTERFACE -fsanitize=thread)
-endif()
-if(POINTREEL_FUZZ)
-  target_compile_options(pointreel_flags INTERFACE
-    -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined)
-  target_link_options(pointreel_flags INTERFACE -fsanitize=address,undefined)
-  # libFuzzer looks at the counters of all code after each input, so code that nothing calls is left
-  # out.
-  target_compile_options(pointreel_flags INTERFACE -ffunction-sections)
-  target_link_options(pointreel_flags INTERFACE LINKER:--gc-sections,-z,start-stop-gc)
 endif()
 
 # Release builds compile what has no loops over points or bytes with less optimisation, which
@@ -81,18 +76,15 @@ endfunction()
 
 # Sanitizers have an allocator of their own.
 function(pointreel_use_huge_pages program)
-  if(NOT (POINTREEL_SANITIZE OR POINTREEL_SANITIZE_THREADS OR POINTREEL_FUZZ))
+  if(NOT (POINTREEL_SANITIZE OR POINTREEL_SANITIZE_THREADS))
     target_sources(${program} PRIVATE ${PROJECT_SOURCE_DIR}/common/process/huge_pages.cpp)
   endif()
 endfunction()
 
 # A source full of Boost.Beast templates takes seven minutes and 4 GB to compile with optimisation
 # and both sanitizers. In sanitized builds, this turns optimisation and the second sanitizer off.
-# Fuzzers call none of these sources.
 function(pointreel_compile_lightly)  # SOURCES...
-  if(POINTREEL_FUZZ)
-    set_property(SOURCE ${ARGV} APPEND PROPERTY COMPILE_OPTIONS -O0 -fno-sanitize=all)
-  elseif(POINTREEL_SANITIZE OR POINTREEL_SANITIZE_THREADS)
+  if(POINTREEL_SANITIZE OR POINTREEL_SANITIZE_THREADS)
     set_property(SOURCE ${ARGV} APPEND PROPERTY COMPILE_OPTIONS -O0 -fno-sanitize=undefined)
   endif()
 endfunction()

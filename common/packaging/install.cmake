@@ -56,7 +56,7 @@ if(programs)
 endif()
 # Manual pages and completions, which the programs make of their options. Builds with sanitizers are
 # not for installing.
-if(programs AND NOT POINTREEL_SANITIZE AND NOT POINTREEL_SANITIZE_THREADS AND NOT POINTREEL_FUZZ)
+if(programs AND NOT POINTREEL_SANITIZE AND NOT POINTREEL_SANITIZE_THREADS)
   set(manuals ${PROJECT_BINARY_DIR}/manuals)
   set(write_manuals)
   foreach(program ${programs})

@@ -86,7 +86,7 @@ class ClockTest : public testing::TestWithParam<Jump> {
     if (!fs::exists(POINTREEL_FAKETIME)) {
       GTEST_SKIP() << "libfaketime is not installed: apt-get install faketime";
     }
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef POINTREEL_SANITIZED
     GTEST_SKIP() << "a sanitizer must be the first library of a program";
 #endif
     fs::create_directories(frames());

@@ -142,7 +142,7 @@ TEST_F(Interrupt, a_duration_ends_the_player_even_if_nothing_ever_comes) {
 }
 
 TEST_F(Interrupt, ends_the_player_while_the_lookup_of_a_name_hangs) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef POINTREEL_SANITIZED
   GTEST_SKIP() << "a sanitizer must be the first library of a program";
 #endif
   const auto no_lookup = program_folder() / "libpointreel_no_lookup.so";
@@ -154,7 +154,7 @@ TEST_F(Interrupt, ends_the_player_while_the_lookup_of_a_name_hangs) {
 }
 
 TEST_F(Interrupt, too_few_threads_are_an_error_that_ends_the_programs) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef POINTREEL_SANITIZED
   GTEST_SKIP() << "a sanitizer must be the first library of a program";
 #endif
   const std::string reel = (folder_ / "reel").string(), err = (folder_ / "err").string();

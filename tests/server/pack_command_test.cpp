@@ -408,7 +408,7 @@ TEST_F(PackCommand, takes_what_unpack_has_written_in_any_format) {
     const std::string files = (reel_.parent_path() / format).string(), again = files + ".reel";
     const Outcome unpacked = run({"unpack", reel_.string(), files, "--format", format});
     ASSERT_EQ(unpacked.code, kExitOk);
-    EXPECT_EQ(unpacked.errors.find("with --up y") != std::string::npos, up == std::string("z"));
+    EXPECT_EQ(unpacked.errors.find("give --up y") != std::string::npos, up == std::string("z"));
     const Outcome packed = run({"pack", "-i", files, "-o", again});
     ASSERT_EQ(packed.code, kExitOk) << packed.errors;
     EXPECT_EQ(read_manifest(again)->up.text(), up);

@@ -49,7 +49,7 @@ test("keys work where the address is not UTF-8", async () => {
 test("what is no address, or no token, is said", async () => {
   for (const [address, line] of [["/?reel=javascript:1", "javascript:1/reel.json: is not an address of http, https, ws or wss"],
                                  ["/?reel=http://[", "http://[/reel.json: is not an address of http, https, ws or wss"],
-                                 [`/${basename(reel)}#token=a%00b`, "this one has a blank or another character that no token may have"]]) {
+                                 [`/${basename(reel)}#token=a%00b`, "the server wants a valid token: this one has a blank or another character that no token may have"]]) {
     const { tab, close } = await openTab(browser, `http://127.0.0.1:${port}${address}`);
     await until(tab, `document.querySelector("pointreel-player").player.error === ${JSON.stringify(line)}`, line);
     await close();

@@ -26,6 +26,15 @@ class Arguments(TemporaryFolder):
                     call(token=named, **arguments)
                 self.assertRegex(str(raised.exception), f"^{next(iter(arguments))} is ")
                 self.assertNotIn("secret", str(raised.exception))
+        for path in ("/nowhere/\udcff", "/nowhere/\ud800", 5):
+            with self.assertRaises((pointreel.Error, ValueError, TypeError), msg=path) as raised:
+                pointreel.open(path, token="secret")
+            self.assertNotIn("secret", str(raised.exception))
+
+    def test_names_of_files_need_not_be_utf8(self):
+        folder = self.folder / "\udcff"
+        self.assertEqual(pointreel.pack([lattice()], folder), 1)
+        self.assertEqual(len(pointreel.open(folder)[0]), len(lattice()))
 
     def test_wrong_arguments_are_said_in_the_words_of_python(self):
         for wrong, call in (

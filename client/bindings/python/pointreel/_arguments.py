@@ -59,9 +59,10 @@ def _check_counts(**arguments: Any) -> None:
             raise ValueError(f"{name} is too large")
 
 
-def _path(where: Union[str, os.PathLike[str]]) -> str:
-    path = os.fspath(where)
-    if "\0" in path:
+def _path(where: Union[str, os.PathLike[str]]) -> bytes:
+    """As bytes, because names of files need not be UTF-8, which pybind11 would refuse."""
+    path = os.fsencode(where)
+    if b"\0" in path:
         raise ValueError("a path has no null character")
     return path
 

@@ -494,13 +494,21 @@ class Publisher:
         self._native: Optional[_native.Publisher] = native
         self._steps, self._axis = steps, axis
         self._last: Tuple[int, int, str] = (0, 0, "")
+        self._time_told = False
 
     def send(self, frame: Any) -> None:
         """Encodes a frame, which is whatever `pack` takes, and hands it to a thread that sends it.
-        Its `time`, if it has one, is the Unix time of its capture. Where the link is too slow,
-        frames are left out."""
+        The `time` of `Points` is the Unix time of their capture; other times, as of cleaned frames of
+        a reel, are left out. Where the link is too slow, frames are left out."""
         if self._native is None:
             raise ValueError("the stream is closed")
+        if not isinstance(frame, Frame):
+            frame = _points_of(frame)
+            if frame.time is not None and frame.time < _EARLIEST:
+                frame = frame._replace(time=None)
+                if not self._time_told:
+                    self._time_told = True
+                    _warn("times before 2001 are no times of capture, and are left out")
         self._axis.see(frame)
         self._steps.see(_give(frame, self._native.send, self._native.send_frame))
 

@@ -211,17 +211,22 @@ InspectListener listener_for(const char* label, std::unique_ptr<Progress>& progr
   return listener;
 }
 
-/// One for each run of frames with the same fault, such as those of a missing file.
+/// One for each file, and for each run of frames with the same fault. Frames of a file that cannot
+/// be read have its fault, which is told once.
 std::vector<std::string> fault_lines(const std::vector<Fault>& faults) {
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < faults.size();) {
     const Fault& first = faults[i++];
     std::uint32_t last = first.frame.value_or(0);
+    const auto is_of_file = [&first](const Fault& fault) {
+      return !fault.frame && fault.file == first.file && fault.what == first.what;
+    };
     while (first.frame && i < faults.size() && faults[i].frame == last + 1 &&
            faults[i].file == first.file && faults[i].what == first.what) {
       ++last;
       ++i;
     }
+    if (first.frame && std::any_of(faults.begin(), faults.end(), is_of_file)) continue;
     const std::string frames =
         !first.frame ? ""
                      : fmt::format("{} {}: ", last == *first.frame ? "frame" : "frames",
@@ -267,8 +272,9 @@ int run_verify(const std::string& reel, bool json, std::uint64_t max_memory,
     print("{}: OK, {} in {}, {}\n", files->shown(), counted(report->frames, "frame"),
           counted(report->files, "file"), counted(report->bytes, "byte"));
   } else {
-    for (const std::string& line : fault_lines(report->faults)) print("{}\n", line);
-    print("{}: {}\n", files->shown(), counted(report->faults.size(), "fault"));
+    const std::vector<std::string> lines = fault_lines(report->faults);
+    for (const std::string& line : lines) print("{}\n", line);
+    print("{}: {}\n", files->shown(), counted(lines.size(), "fault"));
   }
   return report->faults.empty() ? kExitOk : kExitFailed;
 }

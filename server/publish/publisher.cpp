@@ -321,10 +321,11 @@ class Publisher {
     depth_told_ = now;
     told_depth_ = allowed;
     if (lower)
-      say(fmt::format("encoding took {:.0f} ms, {:.0f} ms are available; depth up to {}",
-                      lowered_ms_, frame_time_ms_, allowed));
+      say(fmt::format(
+          "encoding took {:.0f} ms, {:.0f} ms are available; coarser from now on, depth at most {}",
+          lowered_ms_, frame_time_ms_, allowed));
     else
-      say(fmt::format("encoding is faster again; depth up to {}", allowed));
+      say(fmt::format("encoding is faster again; finer from now on, depth up to {}", allowed));
   }
 
   void say(const std::string& line) {

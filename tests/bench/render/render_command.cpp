@@ -198,12 +198,13 @@ Result<json> write_render_report(const Options& options) {
 Result<void> write_files(const Options& options, const json& report) {
   const fs::path folder = options.folder;
   const std::string text = to_render_markdown(report);
-  TRY(write_text(folder / "report.md", text));
-  TRY(write_text(folder / "report.json", report.dump(2) + "\n"));
+  const std::string name = options.only_software ? "software" : "report";
+  TRY(write_text(folder / (name + ".md"), text));
+  TRY(write_text(folder / (name + ".json"), report.dump(2) + "\n"));
   if (options.json != "-") {
     print_lines(text);
-    print("Written: {}, and beside it report.json and the pictures\n",
-          (folder / "report.md").string());
+    print("Written: {0}.md, and beside it {1}.json and the pictures\n", (folder / name).string(),
+          name);
   }
   return options.json.empty() ? Result<void>{} : write_json(options.json, report);
 }
@@ -222,7 +223,7 @@ void add_render_command(cli::Command app, int& exit_code) {
                   "number of poses of each scanned sequence, evenly spread")
       .check(cli::range(1, 1000))
       .capture_default_str();
-  command.add_flag("--quick", options->quick, "two small scenes and few runs, in half a minute");
+  command.add_flag("--quick", options->quick, "two small scenes and few runs, in a minute");
   command.add_flag("--software", options->only_software,
                    "only the software renderer, beside software OpenGL");
   command.add_flag("--gpu", options->gpu, "fail on software OpenGL");

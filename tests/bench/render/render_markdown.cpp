@@ -286,11 +286,15 @@ std::string scene_chapters(const json& report) {
 std::string to_render_markdown(const json& report) {
   std::string out = "# Pictures against the true surface\n\n";
   const json& machine = report["machine"];
-  out += fmt::format("{} at {}x{}; {}, {} threads; {}, commit {}; {:.0f} s.\n\n",
-                     machine["gl_renderer"].get<std::string>(), report["size"][0].get<int>(),
-                     report["size"][1].get<int>(), machine["processor"].get<std::string>(),
-                     machine["cores"].get<int>(), machine["compiler"].get<std::string>(),
-                     machine["commit"].get<std::string>(), number(report["seconds"]));
+  const std::string size =
+      report["scenes"].empty()
+          ? ""
+          : fmt::format(" at {}x{}", report["size"][0].get<int>(), report["size"][1].get<int>());
+  out += fmt::format("{}{}; {}, {} threads; {}, commit {}; {:.0f} s.\n\n",
+                     machine["gl_renderer"].get<std::string>(), size,
+                     machine["processor"].get<std::string>(), machine["cores"].get<int>(),
+                     machine["compiler"].get<std::string>(), machine["commit"].get<std::string>(),
+                     number(report["seconds"]));
   out += scene_chapters(report) + playback_table(report) + software_tables(report) +
          bars_chapter(report);
   return out;

@@ -39,7 +39,7 @@ export function checkToken(token: string | null): void {
 /** What a person should know of an answer that is not the content. */
 export function refusal(response: Response): string {
   if (response.status === 401)
-    return `${WANTS_TOKEN}: #token=TOKEN at the end of the address, or the attribute token of the player`;
+    return `${WANTS_TOKEN} (in links: #token=TOKEN; in pages: the attribute token of the player)`;
   return `the server answers ${response.status} ${response.statusText}`.trim();
 }
 

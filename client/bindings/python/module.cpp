@@ -385,9 +385,13 @@ class PyPublisher {
  private:
   void send(const PointCloud& cloud, std::optional<double> time) {
     const auto time_us = microseconds(time);
-    without_gil([&] { return publisher_->send(cloud, time_us); });
+    without_gil([&] {
+      const std::lock_guard lock(mutex_);
+      return publisher_->send(cloud, time_us);
+    });
   }
 
+  std::mutex mutex_;  ///< frames are sent one after another
   std::unique_ptr<FramePublisher> publisher_;
 };
 

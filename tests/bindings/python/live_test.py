@@ -88,6 +88,24 @@ class Servers(TemporaryFolder):
         self.assertGreaterEqual(stream.accepted, 5)
         self.assertEqual((stream.sent % 3, stream.trouble), (0, ""))
 
+    def test_threads_send_frames_one_after_another(self):
+        troubles = set()
+
+        def send():
+            for _ in range(20):
+                stream.send(lattice())
+                troubles.add(stream.trouble)
+                time.sleep(0.05)
+
+        with pointreel.publish(f"ws://{self.serve('--live')}/live/ball") as stream:
+            threads = [threading.Thread(target=send) for _ in range(4)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+        self.assertEqual(stream.sent, 80)
+        self.assertEqual(troubles, {""})
+
     def test_a_stream_of_which_nothing_arrives_is_an_error(self):
         with self.assertRaises(pointreel.Error) as raised:
             with pointreel.publish("ws://127.0.0.1:9/live/ball") as stream:

@@ -499,7 +499,8 @@ class Publisher:
     def send(self, frame: Any) -> None:
         """Encodes a frame, which is whatever `pack` takes, and hands it to a thread that sends it.
         The `time` of `Points` is the Unix time of their capture; other times, as of cleaned frames of
-        a reel, are left out. Where the link is too slow, frames are left out."""
+        a reel, are left out. Where the link is too slow, frames are left out. Several threads may
+        send, one after another."""
         if self._native is None:
             raise ValueError("the stream is closed")
         if not isinstance(frame, Frame):
@@ -576,6 +577,7 @@ def publish(url: str, *, token: str = "", ca_file: str = "", name: str = "", fps
     axis = _Axis(up)
     _check_texts(url=url, token=token, ca_file=ca_file, name=name, up=axis.up)
     _check((int, float, np.integer, np.floating), "a number", fps=fps)
+    _check_numbers(fps=fps)
     return Publisher(_native.Publisher(url, token, ca_file, name, fps, axis.up, encoding),
                      _Steps(codec, scalar_steps), axis)
 

@@ -177,7 +177,10 @@ Bytes las_bytes(const PointCloud& cloud) {
   const double longest = std::max({extent.x, extent.y, extent.z});
   const double scale =
       longest > 0.0 ? std::pow(10.0, std::floor(std::log10(longest * 0x1p-26))) : 0.001;
-  const glm::dvec3 offset = glm::floor(box.min);
+  // As round as the coordinates, which count from there, leave room for: a whole number, unless all
+  // of it is small.
+  const double round = std::min(1.0, 1e8 * scale);
+  const glm::dvec3 offset = glm::floor(box.min / round) * round;
 
   Bytes bytes(kHeader + size * cloud.size());
   const auto set = [&](std::size_t at, auto value) {

@@ -45,6 +45,22 @@ TEST(CloudFiles, what_is_written_is_read_again) {
   }
 }
 
+TEST(CloudFiles, las_holds_small_things_and_large_ones) {
+  for (const double corner : {0.0, -0.3, 0.987, 512345.67}) {
+    for (double size = 1e-6; size < 1e6; size *= 2.7) {
+      PointCloud cloud;
+      cloud.origin = glm::dvec3(corner, -corner, 0.5 * corner);
+      for (int i = 0; i <= 8; ++i)
+        cloud.positions.emplace_back(size * glm::dvec3(i / 8.0, (i % 3) / 2.0, -i / 8.0));
+      const PointCloud read = again(cloud, PointsFormat::las).cloud;
+      ASSERT_EQ(read.size(), cloud.size());
+      for (std::size_t i = 0; i < cloud.size(); ++i)
+        EXPECT_LT(glm::length(read.world(i) - cloud.world(i)), 1e-6 * size + 1e-15 * corner + 1e-9)
+            << corner << ", " << size;
+    }
+  }
+}
+
 TEST(CloudFiles, clouds_without_points_and_with_one_are_files_too) {
   PointCloud cloud;
   for (const PointsFormat format : {PointsFormat::ply, PointsFormat::pcd, PointsFormat::las})

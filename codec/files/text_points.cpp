@@ -115,6 +115,11 @@ std::optional<std::string_view> comment_of(std::string_view line) {
   return std::nullopt;
 }
 
+/// Also where tables have rows of empty cells.
+bool is_empty_row(std::string_view line) {
+  return line.find_first_not_of(" \t\r,;") == std::string_view::npos;
+}
+
 /// What stands before the first point.
 struct Head {
   std::vector<std::string> names;  ///< of the columns; empty if they have none
@@ -333,7 +338,7 @@ Result<PointCloud> read_text_points(const ByteSource& source, const Reading& rea
   std::vector<bool> has_numbers(kept.size()), has_words(kept.size());
   std::size_t rows = 0, longer = 0;
   for (std::string_view line; lines.next(line);) {
-    if (trimmed(line).empty() || comment_of(line)) continue;
+    if (is_empty_row(line) || comment_of(line)) continue;
     Cells cells(line, head.separator);
     std::size_t column = 0, next = 0;
     for (std::string_view word; next < kept.size() && cells.next(word); ++column) {

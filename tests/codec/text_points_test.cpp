@@ -260,6 +260,12 @@ TEST(TextPoints, colors_may_be_shares_bytes_or_words) {
   EXPECT_EQ(color("x y z r g b\n1 2 3 65535 0 256\n"), glm::u16vec3(65535, 0, 256));
 }
 
+TEST(TextPoints, rows_of_empty_cells_are_no_points) {
+  const Result<PointCloud> cloud = read("x,y,z\n1,2,3\n,,\n4,5,6\n , ,\n");
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->size(), 2u);
+}
+
 TEST(TextPoints, errors_say_in_which_line_and_column) {
   EXPECT_THAT(error_of("hello, world\n"),
               HasSubstr("line 1: 'hello, world' is neither a point nor"));

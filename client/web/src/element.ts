@@ -34,10 +34,11 @@ class Ranges implements TimeRanges {
   }
 }
 
-/** As the properties of <video> refuse what is no time. */
+/** As the properties of <video> take what stands for a number, such as the value of a slider, and refuse what does not. */
 function finite(value: number, name: string): number {
-  if (!Number.isFinite(value)) throw new TypeError(`${name} must be a finite number, not ${value}`);
-  return value;
+  const number = Number(value);
+  if (!Number.isFinite(number)) throw new TypeError(`${name} must be a finite number, not ${value}`);
+  return number;
 }
 
 /** A promise that play() has given. */
@@ -272,7 +273,8 @@ export class PointreelPlayer extends HTMLElement implements Declared {
   set controls(value: boolean) { this.toggleAttribute("controls", value); }
   get volume(): number { return this.player.volume; }
   set volume(volume: number) {
-    if (!(finite(volume, "volume") >= 0 && volume <= 1)) throw new DOMException("volume is from 0 to 1", "IndexSizeError");
+    volume = finite(volume, "volume");
+    if (!(volume >= 0 && volume <= 1)) throw new DOMException("volume is from 0 to 1", "IndexSizeError");
     this.player.setVolume(volume, this.muted);
   }
   get muted(): boolean { return this.player.muted; }

@@ -376,9 +376,9 @@ class OffscreenPlayer {
   const PlayOptions& options_;
   const std::stop_token stop_;
   const glm::ivec2 size_ = options_.picture_size();
-  /// A reel of less than a second is given that long to come.
+  /// However short the recording, links over satellites take seconds until something comes.
   const steady_clock::time_point patience_ends_ =
-      std::max(end_of_duration(options_), options_.started + std::chrono::seconds(1));
+      std::max(end_of_duration(options_), options_.started + std::chrono::seconds(5));
   Bell bell_;
   std::optional<Progress> progress_;
   ErrorLines errors_;

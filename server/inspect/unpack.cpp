@@ -137,6 +137,8 @@ class Unpacking {
     const auto layers = TRY(read_frame(options_.input, manifest_, frame, options_.layers));
     Result<DecodedFrame> decoded = decoder_.decode(layer_views(layers));
     if (!decoded) return fail_at(place(frame), decoded.error());
+    // Those of unoriented normals, which have no common side, may be coded as none.
+    if (decoded->cloud.has_normals()) complete_normals(decoded->cloud, executor_);
     return std::move(decoded->cloud);
   }
 

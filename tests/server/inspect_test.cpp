@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <random>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -258,6 +259,22 @@ TEST_F(Unpack, writes_fewer_points_within_half_a_coarse_voxel_from_the_first_lay
   EXPECT_LT(points[0], points[1]);
   EXPECT_LE(points[1], points[2]);
   EXPECT_EQ(points[2], summary->coded_points);
+}
+
+TEST_F(Unpack, every_point_has_a_normal_where_those_of_the_source_have_no_common_side) {
+  PointCloud cloud = ellipsoid(5'000);
+  std::mt19937 random(1);
+  for (glm::vec3& normal : cloud.normals) normal *= random() % 2 == 0 ? 1.0f : -1.0f;
+  fs::remove_all(folder() / "in");
+  fs::create_directory(folder() / "in");
+  ASSERT_TRUE(write_ply(folder() / "in/0.ply", cloud));
+  PackOptions options = pack_options(folder() / "in", reel());
+  options.force = true;
+  ASSERT_TRUE(pack(options));
+  ASSERT_TRUE(unpack(unpacking()));
+  const auto back = read_cloud_file(folder() / "out/frame_00000.ply");
+  ASSERT_TRUE(back);
+  for (const glm::vec3& normal : back->cloud.normals) ASSERT_NEAR(glm::length(normal), 1.0f, 0.01f);
 }
 
 TEST_F(Unpack, accepts_a_range_of_frames) {

@@ -127,18 +127,22 @@ class Unpacking {
   }
 
   Result<PointCloud> decode(std::uint32_t frame) const {
+    PointCloud cloud = TRY(decode_points(frame));
+    // Points that are stored outside the pictures of video have none, and those of unoriented
+    // normals, which have no common side, may be coded as none.
+    if (cloud.has_normals()) complete_normals(cloud, executor_);
+    return cloud;
+  }
+
+  Result<PointCloud> decode_points(std::uint32_t frame) const {
     if (manifest_.group_frames > 0 && options_.layers > 1) {
       auto cloud = decoder_.decode_video(options_.input, manifest_, frame, options_.voxels);
       if (!cloud) return fail_at(place(frame), cloud.error());
-      // Points that are stored outside the pictures have no normals.
-      if (cloud->has_normals()) complete_normals(*cloud, executor_);
       return cloud;
     }
     const auto layers = TRY(read_frame(options_.input, manifest_, frame, options_.layers));
     Result<DecodedFrame> decoded = decoder_.decode(layer_views(layers));
     if (!decoded) return fail_at(place(frame), decoded.error());
-    // Those of unoriented normals, which have no common side, may be coded as none.
-    if (decoded->cloud.has_normals()) complete_normals(decoded->cloud, executor_);
     return std::move(decoded->cloud);
   }
 

@@ -7,7 +7,9 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -215,23 +217,24 @@ InspectListener listener_for(const char* label, std::unique_ptr<Progress>& progr
 /// be read have its fault, which is told once.
 std::vector<std::string> fault_lines(const std::vector<Fault>& faults) {
   std::vector<std::string> lines;
+  std::set<std::pair<std::string, std::string>> of_files;
   for (std::size_t i = 0; i < faults.size();) {
     const Fault& first = faults[i++];
-    std::uint32_t last = first.frame.value_or(0);
-    const auto is_of_file = [&first](const Fault& fault) {
-      return !fault.frame && fault.file == first.file && fault.what == first.what;
-    };
-    while (first.frame && i < faults.size() && faults[i].frame == last + 1 &&
-           faults[i].file == first.file && faults[i].what == first.what) {
+    if (!first.frame) {
+      of_files.emplace(first.file, first.what);
+      lines.push_back(fmt::format("{}: {}", first.file, first.what));
+      continue;
+    }
+    std::uint32_t last = *first.frame;
+    while (i < faults.size() && faults[i].frame == last + 1 && faults[i].file == first.file &&
+           faults[i].what == first.what) {
       ++last;
       ++i;
     }
-    if (first.frame && std::any_of(faults.begin(), faults.end(), is_of_file)) continue;
-    const std::string frames =
-        !first.frame ? ""
-                     : fmt::format("{} {}: ", last == *first.frame ? "frame" : "frames",
-                                   span_text(*first.frame, last));
-    lines.push_back(fmt::format("{}: {}{}", first.file, frames, first.what));
+    if (of_files.contains({first.file, first.what})) continue;
+    lines.push_back(fmt::format("{}: {} {}: {}", first.file,
+                                last == *first.frame ? "frame" : "frames",
+                                span_text(*first.frame, last), first.what));
   }
   return lines;
 }

@@ -229,6 +229,11 @@ Result<void> HttpServer::read_certificate(const std::filesystem::path& certifica
   if (certificate.empty() != state_->options.certificate.empty())
     return fail(ErrorCode::argument, "--certificate: only a restart turns TLS on or off");
   if (certificate.empty()) return {};
+  for (const std::filesystem::path& path : {certificate, key}) {
+    std::error_code error;  // of a file that is not there: load() says so
+    if (std::filesystem::is_fifo(path, error))
+      return fail(ErrorCode::io, path.string() + ": is a pipe, which is read at the start alone");
+  }
   auto tls = std::make_shared<const TlsContext>(TRY(TlsContext::load(certificate, key)));
   const std::lock_guard lock(state_->tls_mutex);
   state_->tls.swap(tls);

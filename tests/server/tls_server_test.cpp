@@ -10,6 +10,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "server/serve/http_server.h"
 #include "tests/certificate.h"
@@ -135,6 +136,10 @@ TEST_F(TlsServerTest, a_renewed_certificate_is_for_new_connections_and_a_bad_one
   };
   EXPECT_FALSE(server_->read_certificate(renewed.certificate, certificate_.key));
   EXPECT_FALSE(server_->read_certificate({}, {})) << "a server with TLS keeps it";
+  const fs::path pipe = temporary_.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(server_->read_certificate(certificate_.certificate, pipe).error().message,
+              HasSubstr("pipe: is a pipe"));
   EXPECT_TRUE(meets(certificate_));
   const auto read = server_->read_certificate(renewed.certificate, renewed.key);
   ASSERT_TRUE(read) << read.error().message;

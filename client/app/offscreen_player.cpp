@@ -30,6 +30,7 @@
 #include "client/sound/audio_passes.h"
 #include "codec/audio/audio_time.h"
 #include "common/base/try.h"
+#include "common/file_system/output_folder.h"
 #include "common/net/url.h"
 #include "common/process/print.h"
 #include "common/process/progress.h"
@@ -58,7 +59,7 @@ class OffscreenPlayer {
   Result<void> run() {
     if (!options_.record.empty()) TRY(check_recording(options_.record));
     stage_ = TRY(open_stage());
-    if (!stage_) return {};
+    if (!stage_) return stopped_without_picture();
     TRY(check_scalar_field(options_.settings, *stage_));
     OffscreenRenderer offscreen = TRY(make_offscreen_renderer(options_.settings.renderer));
     if (!offscreen.context) say_what_needs_opengl();
@@ -185,7 +186,7 @@ class OffscreenPlayer {
       for (std::size_t i = 0; i < frames.size(); ++i) {
         ReelPlayback& reel = *stage_->reel(i);
         const FrameBuffer::State state = await(reel, frames[i]);
-        if (stop_.stop_requested()) return {};
+        if (stop_.stop_requested()) return stopped_without_picture();
         if (state == FrameBuffer::State::ready)
           std::ranges::copy(stage_->take(i, reel.best()), std::back_inserter(changes));
         else
@@ -360,9 +361,17 @@ class OffscreenPlayer {
   /// The last picture is shown until `end_us`, on the clock of record().
   Result<void> finish(std::uint64_t end_us) {
     if (presenter_->shown()) TRY(write_files(end_us));
-    auto missing = stop_.stop_requested() ? std::nullopt : nothing_shown(*stage_);
+    if (stop_.stop_requested())
+      return presenter_->shown() ? Result<void>() : stopped_without_picture();
+    auto missing = nothing_shown(*stage_);
     if (missing) return tl::unexpected(*std::move(missing));
     return {};
+  }
+
+  /// An error if a file was to be written.
+  Result<void> stopped_without_picture() const {
+    if (options_.screenshot.empty() && options_.record.empty()) return {};
+    return fail(ErrorCode::cancelled, kInterrupted);
   }
 
   Result<void> write_files(std::uint64_t end_us) {

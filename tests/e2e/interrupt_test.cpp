@@ -84,14 +84,16 @@ class Interrupt : public testing::Test {
   /// Interrupts the player once `stuck`. Returns what it printed.
   template <class Condition>
   std::string interrupted(const std::string& source, int signal, const Condition& stuck,
-                          const std::vector<std::string>& environment = {}) {
+                          const std::vector<std::string>& environment = {},
+                          const std::vector<std::string>& options = {}) {
     const std::string err = (folder_ / "err").string();
-    Background player("pointreel", {"play", source, "--offscreen", "64x64"},
-                      {environment, err, {}});
+    std::vector<std::string> arguments{"play", source, "--offscreen", "64x64"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    Background player("pointreel", arguments, {environment, err, {}});
     EXPECT_TRUE(wait_until(stuck)) << source;
     EXPECT_TRUE(player.running());
     // A player that went on would fail in the end, or be killed after a minute.
-    EXPECT_EQ(player.end(signal), 0) << source;
+    EXPECT_EQ(player.end(signal), options.empty() ? 0 : 1) << source;
     return read_text(err);
   }
 
@@ -116,6 +118,13 @@ TEST_F(Interrupt, ends_the_player_while_a_server_answers_nothing_or_drips) {
                   [&] { return server.stuck(); });
     }
   }
+}
+
+TEST_F(Interrupt, a_screenshot_that_was_not_written_is_an_error) {
+  const UselessServer server(UselessServer::Way::silent);
+  EXPECT_THAT(interrupted(server.url("http", "/walk"), SIGTERM, [&] { return server.stuck(); }, {},
+                          {"--screenshot", (folder_ / "a.png").string()}),
+              HasSubstr("interrupted, nothing was written"));
 }
 
 TEST_F(Interrupt, ends_the_player_while_no_frame_ever_comes) {

@@ -15,6 +15,20 @@ namespace {
 
 constexpr double kLeastFocalLength = 0.1, kMostPixels = 1e6;
 
+/// Open3D's name, that of ROS in two spellings, and OpenCV's.
+constexpr std::array<const char*, 4> kMatrixNames{"intrinsic_matrix", "K", "k", "camera_matrix"};
+/// RealSense and Open3D, the tools of TUM's data sets, librealsense's option, and nerfstudio.
+constexpr std::array<const char*, 4> kScaleNames{"depth_scale", "depth_factor", "depth_units",
+                                                 "depth_unit_scale_factor"};
+
+/// The first of the names that is there, or the first of all.
+template <std::size_t kCount>
+const char* name_of(Fields& fields, const std::array<const char*, kCount>& names) {
+  for (const char* const name : names)
+    if (fields.has(name)) return name;
+  return names.front();
+}
+
 /// Nine numbers, also as three rows of three.
 std::optional<std::array<double, 9>> matrix_of(const JsonValue& value) {
   std::vector<double> numbers;
@@ -37,10 +51,16 @@ std::optional<std::array<double, 9>> matrix_of(const JsonValue& value) {
   return matrix;
 }
 
-void take_matrix(Fields& fields, CameraIntrinsics& camera) {
-  constexpr const char* kName = "intrinsic_matrix";
-  const std::optional<std::array<double, 9>> found = matrix_of(*fields.value(kName));
-  if (!found) return fields.refuse(kName, "is not a matrix of nine numbers");
+std::optional<std::array<double, 9>> data_of(const JsonValue& object) {
+  Fields fields(object);
+  return fields.has("data") ? matrix_of(*fields.value("data")) : std::nullopt;
+}
+
+void take_matrix(Fields& fields, const char* name, CameraIntrinsics& camera) {
+  const JsonValue& value = *fields.value(name);
+  // OpenCV writes an object with the numbers of rows and columns beside them.
+  const auto found = value.is_object() ? data_of(value) : matrix_of(value);
+  if (!found) return fields.refuse(name, "is not a matrix of nine numbers");
   std::array<double, 9> m = *found;
   // By columns the zeros below the diagonal come first, and by rows last.
   if (m[6] == 0.0 && m[7] == 0.0 && (m[2] != 0.0 || m[5] != 0.0)) {
@@ -49,7 +69,7 @@ void take_matrix(Fields& fields, CameraIntrinsics& camera) {
     std::swap(m[1], m[3]);
   }
   if (m[1] != 0.0 || m[2] != 0.0 || m[3] != 0.0 || m[5] != 0.0 || m[8] != 1.0)
-    return fields.refuse(kName, "is not [fx, 0, 0, 0, fy, 0, cx, cy, 1]");
+    return fields.refuse(name, "is not [fx, 0, 0, 0, fy, 0, cx, cy, 1]");
   camera.fx = m[0];
   camera.fy = m[4];
   camera.cx = m[6];
@@ -59,7 +79,8 @@ void take_matrix(Fields& fields, CameraIntrinsics& camera) {
 bool has_distortion(Fields& fields) {
   for (const char* key : {"k1", "k2", "k3", "p1", "p2"})
     if (fields.has(key) && fields.value(key)->number().value_or(0.0) != 0.0) return true;
-  for (const char* key : {"coeffs", "dist_coeffs", "distortion", "distortion_coefficients"}) {
+  for (const char* key :
+       {"coeffs", "dist_coeffs", "distortion", "distortion_coefficients", "D", "d"}) {
     if (!fields.has(key)) continue;
     for (JsonItems item(*fields.value(key)); item.next();)
       if (item.value().number().value_or(0.0) != 0.0) return true;
@@ -74,11 +95,13 @@ Result<CameraIntrinsics> parse_camera_intrinsics(std::string_view json) {
   if (!root.is_object()) return fail("is not an object of JSON");
   Fields fields(root);
   CameraIntrinsics camera;
-  if (fields.has("intrinsic_matrix")) {
-    take_matrix(fields, camera);
-  } else if (fields.has("fx")) {
-    camera.fx = fields.number("fx");
-    camera.fy = fields.number("fy");
+  const char* const matrix = name_of(fields, kMatrixNames);
+  if (fields.has(matrix)) {
+    take_matrix(fields, matrix, camera);
+  } else if (fields.has("fx") || fields.has("fl_x")) {
+    const bool short_names = fields.has("fx");
+    camera.fx = fields.number(short_names ? "fx" : "fl_x");
+    camera.fy = fields.number(short_names ? "fy" : "fl_y");
     camera.cx = fields.number(fields.has("ppx") ? "ppx" : "cx");
     camera.cy = fields.number(fields.has("ppy") ? "ppy" : "cy");
   } else {
@@ -93,16 +116,19 @@ Result<CameraIntrinsics> parse_camera_intrinsics(std::string_view json) {
   check("fy", camera.fy >= kLeastFocalLength && camera.fy <= kMostPixels);
   check("cx", std::abs(camera.cx) <= kMostPixels);
   check("cy", std::abs(camera.cy) <= kMostPixels);
-  if (fields.has("width") || fields.has("height")) {
-    camera.width = static_cast<std::uint32_t>(fields.integer("width", 1u << 20));
-    camera.height = static_cast<std::uint32_t>(fields.integer("height", 1u << 20));
-    if (camera.width == 0 || camera.height == 0) fields.refuse("width", "or height is 0");
+  const char* const width = fields.has("w") ? "w" : "width";
+  const char* const height = fields.has("h") ? "h" : "height";
+  if (fields.has(width) || fields.has(height)) {
+    camera.width = static_cast<std::uint32_t>(fields.integer(width, 1u << 20));
+    camera.height = static_cast<std::uint32_t>(fields.integer(height, 1u << 20));
+    if (camera.width == 0 || camera.height == 0) fields.refuse(width, "or height is 0");
   }
-  if (fields.has("depth_scale")) {
-    const double scale = fields.number("depth_scale");
+  const char* const scale_name = name_of(fields, kScaleNames);
+  if (fields.has(scale_name)) {
+    const double scale = fields.number(scale_name);
     camera.steps_per_meter = scale < 1.0 ? 1.0 / scale : scale;
     if (!(camera.steps_per_meter >= 1.0 && camera.steps_per_meter <= 1e6))
-      fields.refuse("depth_scale", "is not from 0.000001 to 1000000");
+      fields.refuse(scale_name, "is not from 0.000001 to 1000000");
   }
   camera.distorts = has_distortion(fields);
   TRY(fields.check());

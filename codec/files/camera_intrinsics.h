@@ -21,9 +21,11 @@ struct CameraIntrinsics {
 inline constexpr std::size_t kMaxIntrinsics = std::size_t{1} << 20;
 
 /// Reads JSON with either `intrinsic_matrix`, as Open3D writes it (nine numbers by columns; by rows
-/// is recognised, too), or `fx`, `fy`, `cx` (or `ppx`) and `cy` (`ppy`). `width` and `height`, and
-/// `depth_scale` may be missing: steps per metre (1000 without it, 5000 in the TUM's data sets),
-/// or, below 1, metres per step, as RealSense has it. Errors are `invalid` and name the member.
+/// is recognised, too; also as ROS's `K` and OpenCV's `camera_matrix`), or `fx` (or `fl_x`), `fy`
+/// (`fl_y`), `cx` (`ppx`) and `cy` (`ppy`). `width` and `height` (`w` and `h`), and `depth_scale`
+/// (`depth_factor`, `depth_units`, `depth_unit_scale_factor`) may be missing: steps per metre (1000
+/// without it, 5000 in the TUM's data sets), or, below 1, metres per step, as RealSense has it.
+/// Errors are `invalid` and name the member.
 ///
 /// Trust: the text may be hostile (json_fields.h). All numbers are checked: focal lengths are 0.1
 /// to 10^6, and the centre is no further than 10^6 from 0.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "codec/files/depth_capture.h"
 #include "codec/files/depth_frame.h"
 #include "common/base/concat.h"
+#include "common/base/letter_case.h"
 #include "common/base/natural_order.h"
 #include "common/base/try.h"
 
@@ -23,7 +25,6 @@ namespace pointreel {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kDepth = "depth";
 constexpr std::uint64_t kSecond = 1'000'000'000;  // nanoseconds
 constexpr std::uint64_t kMostApart = kSecond;
 /// Of a file. A picture of 67 million pixels that are not compressed takes less.
@@ -95,12 +96,24 @@ Result<Pictures> list_pictures(const fs::path& folder, bool of_depth) {
   return pictures;
 }
 
-/// The folder of colours; empty if there is none.
-fs::path color_folder(const fs::path& folder) {
+/// The folder in it with the first of these names, in letters of any case; empty if there is none.
+fs::path folder_called(std::initializer_list<std::string_view> names, const fs::path& folder) {
   std::error_code ignored;
-  for (const char* name : {"color", "rgb", "image"})
+  for (const std::string_view name : names)
     if (fs::is_directory(folder / name, ignored)) return folder / name;
+  for (const std::string_view name : names) {
+    std::error_code code;
+    for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+      if (equal_in_any_case(it->path().filename().string(), name) && it->is_directory(ignored))
+        return it->path();
+    }
+  }
   return {};
+}
+
+fs::path depth_folder(const fs::path& folder) { return folder_called({"depth"}, folder); }
+fs::path color_folder(const fs::path& folder) {
+  return folder_called({"color", "rgb", "image"}, folder);
 }
 
 /// For each picture of depth, the number of the one of colours.
@@ -181,22 +194,23 @@ class DepthFolder : public Recording {
 
 bool is_depth_folder(const fs::path& folder) {
   std::error_code code;
-  for (fs::directory_iterator it(folder / kDepth, code), end; !code && it != end;
+  for (fs::directory_iterator it(depth_folder(folder), code), end; !code && it != end;
        it.increment(code))
     if (is_picture(it->path(), true)) return true;
   return false;
 }
 
 std::vector<fs::path> picture_folders(const fs::path& folder) {
-  std::vector<fs::path> folders = {folder / kDepth};
+  std::vector<fs::path> folders = {depth_folder(folder)};
   if (const fs::path colors = color_folder(folder); !colors.empty()) folders.push_back(colors);
   return folders;
 }
 
 Result<std::shared_ptr<const Recording>> open_depth_folder(const fs::path& folder) {
-  Pictures depth = TRY(list_pictures(folder / kDepth, true));
+  const fs::path depths = depth_folder(folder);
+  Pictures depth = TRY(list_pictures(depths, true));
   if (depth.files.empty())
-    return fail(ErrorCode::not_found, concat((folder / kDepth).string(), ": has no PNG files"));
+    return fail(ErrorCode::not_found, concat(depths.string(), ": has no PNG files"));
   std::string intrinsics = TRY(find_intrinsics(intrinsics_in(folder)));
   std::vector<fs::path> colors;
   if (const fs::path from = color_folder(folder); !from.empty()) {

@@ -42,6 +42,16 @@ TEST(CameraIntrinsics, are_read_as_different_programs_write_them) {
       parsed(R"({"intrinsic_matrix": [[525.5, 0, 319.5], [0, 524, 239.25], [0, 0, 1]]})"));
   expect_camera(parsed(R"({"fx": 525.5, "fy": 524, "cx": 319.5, "cy": 239.25})"));
   expect_camera(parsed(R"({"fx": 525.5, "fy": 524, "ppx": 319.5, "ppy": 239.25})"));
+  for (const char* const name : {"K", "k", "camera_matrix"})
+    expect_camera(parsed("{\"" + std::string(name) +
+                         R"(": [525.5, 0, 319.5, 0, 524, 239.25, 0, 0, 1], "D": [0, 0]})"));
+  expect_camera(parsed(
+      R"({"camera_matrix": {"rows": 3, "data": [525.5, 0, 319.5, 0, 524, 239.25, 0, 0, 1]}})"));
+  const CameraIntrinsics nerfstudio =
+      parsed(R"({"w": 640, "h": 480, "fl_x": 525.5, "fl_y": 524, "cx": 319.5, "cy": 239.25})");
+  expect_camera(nerfstudio);
+  EXPECT_EQ(nerfstudio.width, 640u);
+  EXPECT_EQ(nerfstudio.height, 480u);
 }
 
 TEST(CameraIntrinsics, the_scale_of_depth_may_be_steps_per_meter_or_meters_per_step) {
@@ -49,6 +59,10 @@ TEST(CameraIntrinsics, the_scale_of_depth_may_be_steps_per_meter_or_meters_per_s
   EXPECT_EQ(parsed(camera + "5000}").steps_per_meter, 5000.0);
   EXPECT_EQ(parsed(camera + "0.00025}").steps_per_meter, 4000.0);
   EXPECT_EQ(parsed(camera + "1}").steps_per_meter, 1.0);
+  EXPECT_EQ(parsed(R"({"fx": 9, "fy": 9, "cx": 1, "cy": 1, "depth_factor": 5000})").steps_per_meter,
+            5000.0);
+  EXPECT_EQ(parsed(R"({"fx": 9, "fy": 9, "cx": 1, "cy": 1, "depth_units": 0.5})").steps_per_meter,
+            2.0);
 }
 
 TEST(CameraIntrinsics, distortion_is_noticed) {

@@ -98,6 +98,13 @@ TEST_F(DepthFolder, is_a_sequence_in_which_y_points_up) {
             first->cloud.positions);
 }
 
+TEST_F(DepthFolder, folders_may_be_named_in_letters_of_any_case) {
+  depth_scene::write(folder_.path(), 2, camera_);
+  fs::rename(folder_ / "depth", folder_ / "Depth");
+  fs::rename(folder_ / "color", folder_ / "COLOR");
+  EXPECT_EQ(blues().size(), 2u);
+}
+
 TEST_F(DepthFolder, files_of_points_come_first) {
   depth_scene::write(folder_.path(), 1, camera_);
   const fs::path ply = folder_.write("a.ply", "ply\n");

@@ -9,6 +9,10 @@ namespace pointreel {
 
 using VectorNames = std::array<std::string_view, 3>;
 
+inline constexpr std::array<VectorNames, 3> kPositionNames{
+    {{"x", "y", "z"},
+     {"easting", "northing", "elevation"},  // surveyors'
+     {"easting", "northing", "height"}}};
 inline constexpr std::array<VectorNames, 2> kNormalNames{
     {{"nx", "ny", "nz"}, {"normal_x", "normal_y", "normal_z"}}};
 inline constexpr std::array<VectorNames, 4> kColorNames{

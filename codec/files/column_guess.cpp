@@ -31,10 +31,21 @@ void ColumnGuess::see(const double* row, std::size_t columns) {
     if (rows_ == 0) looks_[i].first = row[i];
     looks_[i].varies |= row[i] != looks_[i].first;
   }
+  for (std::size_t i = 3; i + 3 <= std::min(columns, kMost); ++i) {
+    const double length = row[i] * row[i] + row[i + 1] * row[i + 1] + row[i + 2] * row[i + 2];
+    looks_[i].unit += std::abs(length - 1.0) < 0.01;
+  }
+  if (before_) {
+    counted_ += row[0] == *before_ + 1.0;
+    falls_ |= row[0] <= *before_;
+  }
+  before_ = row[0];
   ++rows_;
-  if (columns < 6) return;
-  const double length = row[3] * row[3] + row[4] * row[4] + row[5] * row[5];
-  unit_ += std::abs(length - 1.0) < 0.01;
+}
+
+bool ColumnGuess::first_counts_rows() const {
+  constexpr std::size_t kEnough = 20;
+  return rows_ >= kEnough && !falls_ && counted_ * 10 > rows_ * 9;
 }
 
 bool ColumnGuess::are_bytes(std::size_t at) const {
@@ -43,8 +54,30 @@ bool ColumnGuess::are_bytes(std::size_t at) const {
                      [](const Look& look) { return look.whole && look.bytes; });
 }
 
-bool ColumnGuess::are_normals() const {
-  return looks_[3].negative || looks_[4].negative || looks_[5].negative || unit_ * 10 > rows_ * 9;
+bool ColumnGuess::are_unit(std::size_t at) const { return looks_[at].unit * 10 > rows_ * 9; }
+
+bool ColumnGuess::are_normals(std::size_t at) const {
+  return looks_[at].negative || looks_[at + 1].negative || looks_[at + 2].negative || are_unit(at);
+}
+
+void ColumnGuess::add_two_triples(Names& names, std::size_t columns) const {
+  constexpr std::size_t kFirst = 3, kSecond = 6, kBehindNumber = 7;
+  const bool number = columns == kBehindNumber + 3;
+  const auto add_number = [&] {
+    if (number) add(names, {"intensity"});
+  };
+  if (are_normals(kFirst)) {
+    add(names, {"nx", "ny", "nz"});
+    const bool behind = number && are_bytes(kBehindNumber) && !are_bytes(kSecond);
+    if (behind) add_number();
+    add(names, {"r", "g", "b"});
+    if (!behind) add_number();
+    return;
+  }
+  add(names, {"r", "g", "b"});
+  if (number && are_unit(kBehindNumber) && !are_unit(kSecond)) add_number();
+  if (are_normals(names.size())) add(names, {"nx", "ny", "nz"});
+  if (number && names.size() == columns - 1) add_number();
 }
 
 Names ColumnGuess::text_names(std::size_t columns, bool pts) const {
@@ -52,13 +85,18 @@ Names ColumnGuess::text_names(std::size_t columns, bool pts) const {
   if (columns == 4) add(names, {"intensity"});
   if (columns == 7 && (pts || (are_bytes(4) && !are_bytes(3)))) {
     add(names, {"intensity", "r", "g", "b"});
-  } else if (columns == 6 && !pts && are_normals()) {
-    add(names, {"nx", "ny", "nz"});
-  } else if (columns == 6 || columns == 7 || columns == 9 || columns == 10) {
-    add(names, {"r", "g", "b"});
+  } else if (columns == 7 && are_unit(4) && !are_unit(3)) {
+    add(names, {"intensity", "nx", "ny", "nz"});
+  } else if (columns == 6 || columns == 7) {
+    if (!pts && are_normals(3)) {
+      add(names, {"nx", "ny", "nz"});
+    } else {
+      add(names, {"r", "g", "b"});
+    }
+    if (columns == 7) add(names, {"intensity"});
+  } else if (columns == 9 || columns == 10) {
+    add_two_triples(names, columns);
   }
-  if (columns == 9 || columns == 10) add(names, {"nx", "ny", "nz"});
-  if (columns == 10 || (columns == 7 && names.size() == 6)) add(names, {"intensity"});
   return numbered_up_to(std::move(names), columns);
 }
 
@@ -66,7 +104,7 @@ Names ColumnGuess::sweep_names(std::size_t floats) const {
   Names names{"x", "y", "z"};
   if (floats == 6 && are_bytes(3)) {
     add(names, {"r", "g", "b"});
-  } else if (floats == 6 && unit_ * 10 > rows_ * 9) {
+  } else if (floats == 6 && are_unit(3)) {
     add(names, {"nx", "ny", "nz"});
   } else if (floats == 7 && are_bytes(4)) {
     add(names, {"intensity", "r", "g", "b"});

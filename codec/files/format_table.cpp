@@ -100,7 +100,7 @@ Result<PointCloud> refuse_e57(const ByteSource&, const DecodeLimits&, const Read
 struct Row {
   CloudFormat format;
   const char* name;                        ///< for people
-  std::array<const char*, 6> endings;      ///< of file names, in small letters
+  std::array<const char*, 7> endings;      ///< of file names, in small letters
   std::array<std::string_view, 2> begins;  ///< what files begin with
   Likely by_name;                          ///< for names with these endings
   Read read;
@@ -130,7 +130,7 @@ constexpr Row kFormats[] = {
      'z'},
     {CloudFormat::text,
      "text",
-     {".xyz", ".pts", ".asc", ".txt", ".csv"},
+     {".xyz", ".xyzn", ".xyzrgb", ".pts", ".asc", ".txt", ".csv"},
      {},
      Likely::maybe,
      read_as<read_text_points>},
@@ -176,7 +176,7 @@ static_assert(std::all_of(std::begin(kFormats), std::end(kFormats), [](const Row
 }));
 
 /// Endings of formats with more than one that nothing else uses.
-constexpr std::array<std::string_view, 3> kSureText{".xyz", ".pts", ".asc"};
+constexpr std::array<std::string_view, 5> kSureText{".xyz", ".xyzn", ".xyzrgb", ".pts", ".asc"};
 
 const Row* find(CloudFormat format) {
   const auto row = std::find_if(std::begin(kFormats), std::end(kFormats),

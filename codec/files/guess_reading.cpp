@@ -82,6 +82,12 @@ class ReadingGuess {
     } else if (format_ == CloudFormat::text || format_ == CloudFormat::sweep) {
       sequence_.reading.columns = sampled_columns();
     }
+    if (first_counts_) {
+      sequence_.warnings.push_back(fmt::format(
+          "{}: the first column numbers the points, and was read as x: if it is not, --columns "
+          "-,x,y,z leaves it out",
+          sequence_.frames.front().name()));
+    }
     if (!sequence_.reading.columns.empty())
       sequence_.guesses.push_back(
           fmt::format("{} (--columns changes it)", fmt::join(sequence_.reading.columns, " ")));
@@ -109,7 +115,7 @@ class ReadingGuess {
   }
 
  private:
-  std::vector<std::string> sampled_columns() const {
+  std::vector<std::string> sampled_columns() {
     std::vector<Bytes> samples;
     for (const CloudFrame* frame : looked_)
       if (auto sample = sample_of(*frame, format_)) samples.push_back(std::move(*sample));
@@ -117,7 +123,7 @@ class ReadingGuess {
     if (format_ == CloudFormat::sweep)
       return guess_sweep_columns(sizes_of(sequence_.frames), views);
     const std::string name = sequence_.frames.front().file.filename().string();
-    return guess_text_columns(views, in_small_letters(name).ends_with(".pts"));
+    return guess_text_columns(views, in_small_letters(name).ends_with(".pts"), first_counts_);
   }
 
   std::vector<std::string> numpy_columns() const {
@@ -134,6 +140,7 @@ class ReadingGuess {
   CloudSequence& sequence_;
   const CloudFormat format_;
   const std::vector<const CloudFrame*> looked_;
+  bool first_counts_ = false;  ///< the first column of text numbers the points
 };
 
 /// By its first bytes, or else by its name.

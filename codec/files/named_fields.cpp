@@ -12,8 +12,6 @@
 namespace pointreel {
 namespace {
 
-constexpr VectorNames kPositionFields{"x", "y", "z"};
-
 /// Fields that have not been given a meaning.
 class Unassigned {
  public:
@@ -100,9 +98,9 @@ Result<RecordLayout> layout_of(const std::vector<NamedField>& fields,
                                std::vector<std::string>& unread) {
   Unassigned unassigned(fields);
   RecordLayout layout;
-  const auto position = unassigned.take({&kPositionFields, 1});
+  const auto position = unassigned.take(kPositionNames);
   if (!position) {
-    for (const std::string_view name : kPositionFields) {
+    for (const std::string_view name : kPositionNames.front()) {
       const bool there = std::any_of(fields.begin(), fields.end(), [&](const NamedField& field) {
         return equal_in_any_case(field.name, name);
       });

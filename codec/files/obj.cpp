@@ -156,7 +156,7 @@ class ObjReader {
 
 Result<PointCloud> read_obj(const ByteSource& source, ReadNotes& notes) {
   Bytes room;
-  return ObjReader().read(text_of(TRY(source.all(room))), notes);
+  return ObjReader().read(without_utf8_mark(text_of(TRY(source.all(room)))), notes);
 }
 
 }  // namespace pointreel

@@ -19,7 +19,6 @@
 namespace pointreel {
 namespace {
 
-constexpr VectorNames kPositionNames{"x", "y", "z"};
 /// The mean colour of Gaussian splats, as coefficients of a constant function on the sphere.
 constexpr VectorNames kHarmonicNames{"f_dc_0", "f_dc_1", "f_dc_2"};
 constexpr float kHarmonic = 0.28209479f;  // 1 / (2 sqrt(pi))
@@ -168,11 +167,12 @@ void extend(std::vector<T>& values, std::size_t rows, F&& make) {
 Result<PlyRoles> assign_roles(const PlyElement& vertex) {
   PlyRoles properties;
   properties.fill(-1);
-  for (const std::string_view name : kPositionNames) {
-    if (find_scalar(vertex, name) >= 0) continue;
-    return fail(concat("line ", vertex.line, ": element vertex has no scalar property ", name));
+  if (!assign_vector(vertex, kPosition, properties, kPositionNames)) {
+    for (const std::string_view name : kPositionNames.front()) {
+      if (find_scalar(vertex, name) >= 0) continue;
+      return fail(concat("line ", vertex.line, ": element vertex has no scalar property ", name));
+    }
   }
-  assign_vector(vertex, kPosition, properties, {&kPositionNames, 1});
   assign_vector(vertex, kNormal, properties, kNormalNames);
   assign_color(vertex, properties);
   properties[kRadius] = find_scalar(vertex, "radius");

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "codec/files/words.h"
 #include "common/base/concat.h"
 #include "common/base/letter_case.h"
 
@@ -172,8 +173,9 @@ int PlyElement::find_any_case(std::string_view property) const {
 
 Result<PlyHeader> parse_ply_header(ByteView bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (!equal_in_any_case(text.substr(0, 3), "ply")) return fail("line 1: not a PLY file");
   PlyHeader header;
+  if (text.starts_with(kUtf8Mark)) header.size = kUtf8Mark.size();
+  if (!equal_in_any_case(text.substr(header.size, 3), "ply")) return fail("line 1: not a PLY file");
   // The first line tells how all of them end: after CR alone, data may begin with LF.
   const std::size_t first_end = std::min(text.find_first_of("\r\n"), text.size());
   if (text.substr(first_end, 1) == "\r" && text.substr(first_end, 2) != "\r\n")

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "codec/files/attribute_names.h"
 #include "codec/files/column_guess.h"
 #include "codec/files/named_fields.h"
 #include "codec/files/ply_header.h"
@@ -78,9 +79,15 @@ std::vector<std::string_view> cells_of(std::string_view line, Separator separato
   return words;
 }
 
-/// Where commas do not separate, one may be the decimal point.
+/// Where commas do not separate, one may be the decimal point. Older programs of Windows write what
+/// is no number, or infinite, as 1.#QNAN, -1.#IND and 1.#INF.
 bool parse_cell(std::string_view word, Separator separator, double& value) {
   if (parse_number(word, value)) return true;
+  const std::string_view unsigned_word = word.substr(word.starts_with('-') ? 1 : 0);
+  if (unsigned_word.starts_with("1.#") || unsigned_word.starts_with("1,#")) {
+    value = std::numeric_limits<double>::quiet_NaN();
+    return true;
+  }
   if (separator == Separator::comma || word.size() > 64) return false;
   std::string decimal(word);
   std::replace(decimal.begin(), decimal.end(), ',', '.');
@@ -120,44 +127,76 @@ bool is_empty_row(std::string_view line) {
   return line.find_first_not_of(" \t\r,;") == std::string_view::npos;
 }
 
+/// Spreadsheets begin with a line as "sep=;".
+bool names_separator(std::string_view line) {
+  line = trimmed(line);
+  return line.size() == 5 && in_small_letters(line).starts_with("sep=");
+}
+
 /// What stands before the first point.
 struct Head {
   std::vector<std::string> names;  ///< of the columns; empty if they have none
+  std::size_t surplus = 0;         ///< names that were left out, since there are fewer columns
   Separator separator = Separator::blank;
   std::size_t columns = 0;             ///< of the first point; 0 without points
   std::optional<std::uint64_t> count;  ///< what the first line says, as in .pts files
 };
 
-/// Whether they have x, y and z among them.
+/// Whether they have those of a position among them.
 bool are_names(const std::vector<std::string>& names) {
-  const auto has = [&](char letter) {
-    return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-      return name.size() == 1 && (name[0] | 32) == letter;
-    });
+  const auto has = [&](std::string_view wanted) {
+    return std::any_of(names.begin(), names.end(),
+                       [&](const std::string& name) { return equal_in_any_case(name, wanted); });
   };
-  return has('x') && has('y') && has('z');
+  return std::any_of(kPositionNames.begin(), kPositionNames.end(),
+                     [&](const VectorNames& spelling) {
+                       return std::all_of(spelling.begin(), spelling.end(), has);
+                     });
 }
 
-/// A column's name without quotes, and without a unit as in "X [mm]" and "x(m)". What ParaView and
-/// VeloView call Points:0 and Points_m_XYZ:0 is x.
+/// What ParaView calls Points:0 or Points_0, and VeloView Points_m_XYZ:0, is x, and so on.
+struct NumberedNames {
+  std::string_view array;  ///< in small letters
+  VectorNames names;
+};
+constexpr std::array<NumberedNames, 5> kNumberedNames{{{"points", {"x", "y", "z"}},
+                                                       {"points_m_xyz", {"x", "y", "z"}},
+                                                       {"normals", {"nx", "ny", "nz"}},
+                                                       {"rgb", {"red", "green", "blue"}},
+                                                       {"colors", {"red", "green", "blue"}}}};
+
+/// A column's name without quotes, and without a unit as in "X [mm]" and "x(m)".
 std::string column_name(std::string_view word) {
   if (word.size() >= 2 && word.front() == '"' && word.back() == '"')
     word = word.substr(1, word.size() - 2);
   const std::size_t unit = word.find_first_of("[(");
   if (unit != 0 && unit != std::string_view::npos && (word.back() == ']' || word.back() == ')'))
     word = trimmed(word.substr(0, unit));
-  for (const std::string_view points : {"points:", "points_m_xyz:"}) {
-    if (word.size() != points.size() + 1 || !in_small_letters(word).starts_with(points)) continue;
-    if (word.back() >= '0' && word.back() <= '2')
-      return std::string(1, static_cast<char>('x' + (word.back() - '0')));
+  if (word.size() < 2) return std::string(word);
+  const char mark = word[word.size() - 2];
+  const std::size_t number = static_cast<std::size_t>(word.back() - '0');
+  for (const auto& [array, names] : kNumberedNames) {
+    if ((mark == ':' || mark == '_') && number < names.size() &&
+        equal_in_any_case(word.substr(0, word.size() - 2), array))
+      return std::string(names[number]);
   }
   return std::string(word);
 }
 
-std::vector<std::string> names_of(const std::vector<std::string_view>& words) {
+/// Names for the first columns. COLMAP's points end in lists of any length, which have none.
+struct HeaderNames {
   std::vector<std::string> names;
-  for (const std::string_view word : words) names.push_back(column_name(word));
-  return names;
+  bool lists_follow = false;
+};
+
+HeaderNames names_of(const std::vector<std::string_view>& words) {
+  HeaderNames header;
+  for (const std::string_view word : words) {
+    header.lists_follow = word.starts_with("TRACK[]");
+    if (header.lists_follow) break;
+    header.names.push_back(column_name(word));
+  }
+  return header;
 }
 
 std::uint64_t to_count(double value) {
@@ -168,12 +207,15 @@ std::uint64_t to_count(double value) {
 /// has named, so that a first line of as many words may be anything; or 0.
 Result<Head> read_head(Lines& lines, std::size_t named = 0) {
   Head head;
+  bool lists_follow = false;
   std::string_view line;
   for (Lines ahead = lines; ahead.next(line); lines = ahead) {
-    if (trimmed(line).empty()) continue;
+    if (is_empty_row(line) || names_separator(line)) continue;
     if (const auto comment = comment_of(line)) {
-      const auto names = names_of(cells_of(*comment, separator_of(*comment)));
-      if (are_names(names)) head.names = names;
+      HeaderNames header = names_of(cells_of(*comment, separator_of(*comment)));
+      if (!are_names(header.names)) continue;
+      head.names = std::move(header.names);
+      lists_follow = header.lists_follow;
       continue;
     }
     head.separator = separator_of(line);
@@ -185,14 +227,21 @@ Result<Head> read_head(Lines& lines, std::size_t named = 0) {
         continue;
       }
       head.columns = words.size();
-      if (!head.names.empty() && head.names.size() < head.columns) head.names.clear();
+      if (lists_follow && head.names.size() < head.columns) {
+        head.names.resize(head.columns, "_");
+      } else if (head.names.size() < head.columns) {
+        head.names.clear();
+      } else {
+        head.surplus = head.names.size() - head.columns;
+        head.names.resize(head.columns);
+      }
       return head;
     }
     if (!head.names.empty() && words.size() >= head.names.size()) {
       head.columns = words.size();  // the first column has words that nobody reads
       return head;
     }
-    head.names = names_of(words);
+    head.names = names_of(words).names;
     if (!are_names(head.names) && head.names.size() != named) {
       return fail(concat("line ", ahead.number(), ": '", printable(trimmed(line)),
                          "' is neither a point nor names of columns with x, y and z among them; "
@@ -202,14 +251,17 @@ Result<Head> read_head(Lines& lines, std::size_t named = 0) {
   return head;
 }
 
-std::string_view without_mark(std::string_view text) {
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+/// Also without the Ctrl-Z with which programs of DOS end text.
+std::string_view without_marks(std::string_view text) {
+  text = without_utf8_mark(text);
+  if (text.ends_with('\x1a')) text.remove_suffix(1);
   return text;
 }
 
 /// Looks at the points of a text that have as many columns as its first.
 void look(const Head& head, Lines lines, ColumnGuess& guess) {
   std::vector<double> row(std::min(head.columns, ColumnGuess::kMost));
+  guess.begin();
   for (std::string_view line; lines.next(line);) {
     if (comment_of(line)) continue;
     Cells cells(line, head.separator);
@@ -271,13 +323,15 @@ std::string join(const std::vector<std::string>& names) {
 
 }  // namespace
 
-std::vector<std::string> guess_text_columns(std::span<const ByteView> samples, bool pts) {
+std::vector<std::string> guess_text_columns(std::span<const ByteView> samples, bool pts,
+                                            bool& counts) {
+  counts = false;
   ColumnGuess guess;
   std::size_t columns = 0;
   bool unnamed = false;
   std::vector<std::string> names;
   for (const ByteView sample : samples) {
-    const std::string_view text = without_mark(text_of(sample));
+    const std::string_view text = without_marks(text_of(sample));
     Lines lines(text);
     const Result<Head> head = read_head(lines);
     // Reading the file says what is wrong.
@@ -300,6 +354,7 @@ std::vector<std::string> guess_text_columns(std::span<const ByteView> samples, b
       if (!is_scalar_name(name) || name.find(',') != std::string::npos) name = "_";
     return names;
   }
+  counts = columns > 3 && guess.first_counts_rows();
   return guess.text_names(columns, pts);
 }
 
@@ -310,8 +365,9 @@ Result<PointCloud> read_text_points(const ByteSource& source, const Reading& rea
   const std::string_view text = text_of(bytes);
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
     return fail("is UTF-16 text; save it as UTF-8");
-  Lines lines(without_mark(text));
+  Lines lines(without_marks(text));
   Head head = TRY(read_head(lines, reading.columns.size()));
+  if (head.columns == 0 && !head.names.empty()) return PointCloud();
   if (head.columns == 0) return fail("has no points");
   if (head.columns < 3) {
     return fail(concat("line ", lines.number() + 1, ": has ", head.columns,
@@ -328,7 +384,8 @@ Result<PointCloud> read_text_points(const ByteSource& source, const Reading& rea
   } else if (names.empty()) {
     const auto sample = TRY(sample_of(source, CloudFormat::text));
     const ByteView view = sample ? ByteView(*sample) : bytes;
-    names = guess_text_columns({&view, 1}, false);
+    bool counts = false;
+    names = guess_text_columns({&view, 1}, false, counts);
     if (names.size() != head.columns) names = ColumnGuess().text_names(head.columns, false);
   }
   const Columns columns = TRY(columns_of(head.columns, names, notes.unread));
@@ -379,6 +436,11 @@ Result<PointCloud> read_text_points(const ByteSource& source, const Reading& rea
   if (longer > 0) {
     notes.warnings.push_back(concat("has ", longer, " lines with more columns than the first ",
                                     "point, which has ", head.columns, "; they are not read"));
+  }
+  if (head.surplus > 0 && reading.columns.empty()) {
+    notes.warnings.push_back(concat("has names for ", head.columns + head.surplus,
+                                    " columns, but its points have ", head.columns,
+                                    "; --columns names those"));
   }
   if (head.count && *head.count != rows) {
     notes.warnings.push_back(

@@ -18,17 +18,21 @@ namespace pointreel {
 ///   3   x y z
 ///   4   x y z intensity
 ///   6   x y z, and r g b or a normal: normals are numbers below 0, or vectors of length 1
-///   7   x y z r g b intensity, or x y z intensity r g b where only the last three are bytes
-///   9   x y z r g b nx ny nz
-///   10  x y z r g b nx ny nz intensity
+///   7   x y z r g b intensity, or x y z intensity r g b where only the last three are bytes, or
+///       x y z nx ny nz intensity, or x y z intensity nx ny nz
+///   9   x y z r g b nx ny nz, or x y z nx ny nz r g b; without normals, the last three have no
+///       names
+///   10  the same and an intensity: behind them, or between them if the others then are vectors of
+///       length 1, or bytes
 /// With 5, 8 or more than 10 columns, those behind the first three are "column 4" and so on. In
 /// .pts files (`pts`, or those that begin with a count) 6 are x y z r g b, and 7 x y z intensity r
-/// g b.
-std::vector<std::string> guess_text_columns(std::span<const ByteView> samples, bool pts);
+/// g b. `counts`: whether the first column numbers the points, so that it hardly is x.
+std::vector<std::string> guess_text_columns(std::span<const ByteView> samples, bool pts,
+                                            bool& counts);
 
-/// Reads text with a line for each point, as .xyz, .txt, .csv, .asc and .pts have it. Numbers are
-/// separated by commas, by semicolons, or by blanks; where commas do not separate, they may be the
-/// decimal point. Empty lines, and lines that begin with '#', '//' or '%', are skipped.
+/// Reads text with a line for each point, as .xyz, .txt, .csv, .asc, .pts and the like have it.
+/// Numbers are separated by commas, by semicolons, or by blanks; where commas do not separate, they
+/// may be the decimal point. Empty lines, and lines that begin with '#', '//' or '%', are skipped.
 ///
 /// The columns are named by the reading, or else by the first line, also as a comment ("//X Y Z R G
 /// B"), or else guessed; named_fields.h says what is read of them. In scalar fields, what is not a

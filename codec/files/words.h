@@ -15,6 +15,14 @@ inline std::string_view text_of(ByteView bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+/// Editors put it at the beginning of UTF-8 text.
+inline constexpr std::string_view kUtf8Mark = "\xef\xbb\xbf";
+
+inline std::string_view without_utf8_mark(std::string_view text) {
+  if (text.starts_with(kUtf8Mark)) text.remove_prefix(kUtf8Mark.size());
+  return text;
+}
+
 /// Splits text into lines, which end in LF, CR LF or CR.
 class Lines {
  public:

@@ -66,6 +66,12 @@ TEST(Obj, the_last_of_seven_numbers_is_an_opacity_unless_the_fourth_is_a_weight)
   EXPECT_THAT(colors("v 0 0 0 1 0 0 1\nv 1 0 0 1 0 0 1\n"), ElementsAre(red, red));
 }
 
+TEST(Obj, the_first_vertex_may_stand_behind_a_utf8_mark) {
+  const Result<PointCloud> cloud = read("\xef\xbb\xbfv 1 2 3\nv 4 5 6\n");
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->size(), 2u);
+}
+
 TEST(Obj, errors_say_in_which_line) {
   EXPECT_THAT(error_of("v 1 2\n"), HasSubstr("line 1: a vertex has 2 numbers"));
   EXPECT_THAT(error_of("\nv 1 x 3\n"), HasSubstr("line 2: 'x'"));

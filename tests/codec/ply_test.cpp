@@ -90,6 +90,10 @@ TEST(Ply, reads_ascii) {
   EXPECT_FALSE(cloud.has_normals() || cloud.has_colors() || cloud.has_radii());
 }
 
+TEST(Ply, reads_text_that_begins_with_a_utf8_mark) {
+  EXPECT_EQ(read("\xef\xbb\xbf" + ascii_xyz("1 2 3\n4 5 6")).size(), 2u);
+}
+
 TEST(Ply, reads_every_scalar_type_by_both_names_in_both_byte_orders) {
   for (const bool big_endian : {false, true}) {
     for (const ScalarType& type : kScalarTypes) {

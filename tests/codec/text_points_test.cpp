@@ -4,6 +4,7 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -40,7 +41,15 @@ std::vector<std::string> guess(const std::vector<std::string>& texts, bool pts =
     for (const std::string& text : texts) all.push_back(view(text));
     return all;
   }();
-  return guess_text_columns(views, pts);
+  bool counts = false;
+  return guess_text_columns(views, pts, counts);
+}
+
+bool first_column_counts(const std::string& text) {
+  const ByteView bytes = view(text);
+  bool counts = false;
+  guess_text_columns({&bytes, 1}, false, counts);
+  return counts;
 }
 
 std::string error_of(const std::string& text) {
@@ -119,6 +128,7 @@ TEST(TextPoints, names_in_a_header_may_have_quotes_and_units) {
   for (const std::string head :
        {"X [mm],Y [mm],Z [mm],Intensity [%]\n", "\"x\",\"y\",\"z\",\"intensity\"\n",
         "x(m);y(m);z(m);intensity\n", "Points:0,Points:1,Points:2,intensity\n",
+        "points_0,points_1,points_2,intensity\n",
         "\"Points_m_XYZ:0\",\"Points_m_XYZ:1\",\"Points_m_XYZ:2\",\"intensity\"\n"}) {
     SCOPED_TRACE(head);
     const std::string separator = head.find(';') == std::string::npos ? "," : ";";
@@ -129,6 +139,16 @@ TEST(TextPoints, names_in_a_header_may_have_quotes_and_units) {
     ASSERT_EQ(cloud->scalars.size(), 1u);
     EXPECT_THAT(cloud->scalars[0].name, testing::StrCaseEq("intensity"));
   }
+}
+
+TEST(TextPoints, paraview_numbers_the_columns_of_an_array) {
+  const Result<PointCloud> cloud = read(
+      "RGB:0,RGB:1,RGB:2,Normals_0,Normals_1,Normals_2,Points_0,Points_1,Points_2\n"
+      "10,20,30,0,0,1,4,5,6\n");
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->world(0), glm::dvec3(4, 5, 6));
+  EXPECT_EQ(cloud->colors.at(0), glm::u16vec3(10 * 257, 20 * 257, 30 * 257));
+  EXPECT_EQ(cloud->normals.at(0), glm::vec3(0, 0, 1));
 }
 
 TEST(TextPoints, what_sensors_measure_comes_before_other_columns) {
@@ -168,6 +188,21 @@ TEST(TextPoints, without_a_header_the_number_of_columns_decides) {
               ElementsAre(ScalarField{"column 4", {4}}, ScalarField{"column 5", {5}}));
 }
 
+TEST(TextPoints, colors_and_normals_may_stand_in_either_order) {
+  const auto columns = [](const std::string& line) {
+    return fmt::format("{}", fmt::join(guess({line + "\n"}), " "));
+  };
+  EXPECT_EQ(columns("1 2 3 10 20 30 0.6 0 -0.8"), "x y z r g b nx ny nz");
+  EXPECT_EQ(columns("1 2 3 0.6 0 -0.8 10 20 30"), "x y z nx ny nz r g b");
+  EXPECT_EQ(columns("1 2 3 10 20 30 0.1 0.2 0.3"), "x y z r g b column 7 column 8 column 9");
+  EXPECT_EQ(columns("1 2 3 10 20 30 0.6 0 -0.8 9"), "x y z r g b nx ny nz intensity");
+  EXPECT_EQ(columns("1 2 3 10 20 30 9.5 0.6 0 -0.8"), "x y z r g b intensity nx ny nz");
+  EXPECT_EQ(columns("1 2 3 0.6 0 -0.8 10 20 30 9.5"), "x y z nx ny nz r g b intensity");
+  EXPECT_EQ(columns("1 2 3 0.6 0 -0.8 9.5 10 20 30"), "x y z nx ny nz intensity r g b");
+  EXPECT_EQ(columns("1 2 3 0.6 0 -0.8 9.5"), "x y z nx ny nz intensity");
+  EXPECT_EQ(columns("1 2 3 9.5 0.6 0 -0.8"), "x y z intensity nx ny nz");
+}
+
 TEST(TextPoints, columns_are_guessed_once_for_all_files) {
   // Alone, the first would be read as colours and an intensity.
   const std::string dark = "1 2 3 7 0 0 0\n", bright = "1 2 3 0.5 10 20 30\n";
@@ -203,12 +238,10 @@ TEST(TextPoints, given_columns_hold_and_must_be_as_many) {
   ASSERT_TRUE(cloud) << cloud.error().message;
   EXPECT_EQ(cloud->world(0), glm::dvec3(2, 1, 4));
   EXPECT_THAT(cloud->scalars, ElementsAre(ScalarField{"time", {5}}));
-  const Result<PointCloud> under_a_header =
-      read_as("Easting,Northing,Elevation\n1,2,3\n", {"x", "y", "z"});
+  const Result<PointCloud> under_a_header = read_as("A,B,C\n1,2,3\n", {"x", "y", "z"});
   ASSERT_TRUE(under_a_header) << under_a_header.error().message;
   EXPECT_EQ(under_a_header->world(0), glm::dvec3(1, 2, 3));
-  EXPECT_THAT(read("Easting,Northing,Elevation\n1,2,3\n").error().message,
-              HasSubstr("--columns names them"));
+  EXPECT_THAT(read("A,B,C\n1,2,3\n").error().message, HasSubstr("--columns names them"));
   EXPECT_THAT(read_as("1 2 3 4 5\n", {"x", "y", "z"}).error().message,
               HasSubstr("line 1: has 5 columns, but is to be read as x y z; --columns"));
 }
@@ -264,6 +297,73 @@ TEST(TextPoints, rows_of_empty_cells_are_no_points) {
   const Result<PointCloud> cloud = read("x,y,z\n1,2,3\n,,\n4,5,6\n , ,\n");
   ASSERT_TRUE(cloud) << cloud.error().message;
   EXPECT_EQ(cloud->size(), 2u);
+  EXPECT_EQ(read(",,\nx,y,z\n,,\n1,2,3\n")->size(), 1u);
+}
+
+TEST(TextPoints, spreadsheets_name_their_separator_first) {
+  const Result<PointCloud> cloud = read("sep=;\r\nx;y;z\r\n1,5;2;3\r\n");
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->world(0), glm::dvec3(1.5, 2, 3));
+}
+
+TEST(TextPoints, surveyors_call_a_position_easting_northing_and_elevation) {
+  for (const char* const up : {"Elevation", "HEIGHT"}) {
+    const Result<PointCloud> cloud = read(fmt::format("Northing,Easting,{}\n2,1,3\n5,4,6\n", up));
+    ASSERT_TRUE(cloud) << cloud.error().message;
+    EXPECT_EQ(cloud->world(0), glm::dvec3(1, 2, 3));
+  }
+  const Result<PointCloud> both = read("x,y,z,easting,northing,elevation\n1,2,3,7,8,9\n");
+  EXPECT_EQ(both->world(0), glm::dvec3(1, 2, 3));
+}
+
+TEST(TextPoints, what_older_programs_of_windows_write_is_no_number) {
+  const Result<PointCloud> cloud =
+      read("x,y,z,intensity\n1,2,3,1.#QNAN\n4,5,6,7\n8,9,1,-1.#IND0000\n\x1a");
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->size(), 3u);
+  EXPECT_TRUE(std::isnan(cloud->scalars.at(0).values.at(0)));
+  EXPECT_EQ(cloud->scalars.at(0).values.at(1), 7.0f);
+}
+
+TEST(TextPoints, a_header_alone_is_a_cloud_without_points) {
+  for (const char* const text : {"x y z\n", "//X Y Z R G B\n"}) {
+    const Result<PointCloud> cloud = read(text);
+    ASSERT_TRUE(cloud) << cloud.error().message;
+    EXPECT_EQ(cloud->size(), 0u);
+  }
+}
+
+TEST(TextPoints, names_of_columns_that_are_not_there_are_a_warning) {
+  std::vector<std::string> warnings;
+  EXPECT_TRUE(read_as("x y z my field\n1 2 3 4\n", {}, &warnings));
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("names for 5 columns, but its points have 4")));
+  EXPECT_TRUE(read_as("x y z my field\n1 2 3 4\n", {"x", "y", "z", "my_field"}, &warnings));
+  EXPECT_THAT(warnings, IsEmpty());
+}
+
+TEST(TextPoints, points_of_colmap_end_in_lists) {
+  std::vector<std::string> warnings;
+  const Result<PointCloud> cloud = read_as(
+      "# 3D point list with one line of data per point:\n"
+      "#   POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n"
+      "# Number of points: 2, mean track length: 1.5\n"
+      "7 1 2 3 10 20 30 0.5 1 2 3 4\n9 4 5 6 40 50 60 0.25 1 2\n",
+      {}, &warnings);
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->world(1), glm::dvec3(4, 5, 6));
+  EXPECT_EQ(cloud->colors.at(1), glm::u16vec3(40 * 257, 50 * 257, 60 * 257));
+  EXPECT_THAT(warnings, IsEmpty());
+}
+
+TEST(TextPoints, a_first_column_that_numbers_the_points_is_noticed) {
+  std::string numbered, grid;
+  for (int i = 0; i < 100; ++i) {
+    numbered += fmt::format("{} 0.5 {} 7\n", i + 1, i % 9);
+    grid += fmt::format("{} {} 0 7\n", i % 50, i / 50);
+  }
+  EXPECT_TRUE(first_column_counts(numbered));
+  EXPECT_FALSE(first_column_counts(grid));
+  EXPECT_FALSE(first_column_counts("0 0 0 1\n1 0 0 1\n2 0 0 1\n"));
 }
 
 TEST(TextPoints, errors_say_in_which_line_and_column) {
@@ -273,8 +373,8 @@ TEST(TextPoints, errors_say_in_which_line_and_column) {
   EXPECT_THAT(error_of("1 2 3 4\n1 2 3\n"), HasSubstr("line 2: has 3 columns"));
   EXPECT_THAT(error_of("1 2\n"), HasSubstr("line 1: has 2 numbers"));
   EXPECT_THAT(error_of("x,y,z\n1,,3\n"), HasSubstr("line 2: '' in column 2"));
-  EXPECT_THAT(error_of("x y z\n"), HasSubstr("no points"));
-  EXPECT_THAT(error_of(std::string(3000, ',') + "\n"), HasSubstr("line 1"));
+  EXPECT_THAT(error_of("# nothing\n"), HasSubstr("no points"));
+  EXPECT_THAT(error_of(std::string(3000, ',') + "\n"), HasSubstr("no points"));
   EXPECT_THAT(error_of("1 2 3\n1 2 \x1b[31m\n"), HasSubstr("'?[31m'"));
   EXPECT_THAT(error_of("\xff\xfe\x31"), HasSubstr("is UTF-16 text"));
 }

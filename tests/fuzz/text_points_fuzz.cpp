@@ -8,7 +8,8 @@ FUZZ_TARGET(text_points) {
   // As two files of one sequence.
   const std::vector<ByteView> files{input.first(input.size() / 2), input.subspan(input.size() / 2)};
   for (const bool pts : {false, true}) {
-    const std::vector<std::string> columns = guess_text_columns(files, pts);
+    bool counts = false;
+    const std::vector<std::string> columns = guess_text_columns(files, pts, counts);
     for (const ByteView file : files)
       require(read_points(file, CloudFormat::text, {columns, 255.0}) <= input.size());
   }

@@ -124,7 +124,8 @@ Result<CameraIntrinsics> parse_camera_intrinsics(std::string_view json) {
     if (camera.width == 0 || camera.height == 0) fields.refuse(width, "or height is 0");
   }
   const char* const scale_name = name_of(fields, kScaleNames);
-  if (fields.has(scale_name)) {
+  camera.scale_is_given = fields.has(scale_name);
+  if (camera.scale_is_given) {
     const double scale = fields.number(scale_name);
     camera.steps_per_meter = scale < 1.0 ? 1.0 / scale : scale;
     if (!(camera.steps_per_meter >= 1.0 && camera.steps_per_meter <= 1e6))

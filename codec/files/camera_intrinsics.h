@@ -14,6 +14,7 @@ struct CameraIntrinsics {
   std::uint32_t width = 0, height = 0;
   double fx = 1.0, fy = 1.0, cx = 0.0, cy = 0.0;  ///< in pixels
   double steps_per_meter = 1000.0;                ///< of the numbers of depth, 1 to 10^6
+  bool scale_is_given = false;                    ///< or steps_per_meter is the default
   bool distorts = false;  ///< the file has coefficients of distortion that are not 0
 };
 

@@ -75,20 +75,28 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder,
   for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
     const fs::path& path = it->path();
     const Likely likely = is_cloud_name(path.filename().string());
-    std::error_code ignored;
     if (hidden(path) || likely == Likely::no) continue;
-    if (fs::is_regular_file(path, ignored)) {
+    std::error_code error;  // also of a dangling link
+    if (fs::is_regular_file(path, error)) {
       (likely == Likely::yes ? files : perhaps).push_back(path);
     } else if (likely == Likely::yes && warnings != nullptr) {
       warnings->push_back(path.string() + ": is left out, because it is not a regular file");
     }
+    // Whoever may list a folder need not be allowed to open what is in it.
+    if (error == std::errc::permission_denied) {
+      code = error;
+      break;
+    }
   }
   if (code) {
     return fail(ErrorCode::io,
-                fmt::format("{}: cannot be listed: {}", folder.string(), code.message()));
+                fmt::format("{}: cannot be read: {}", folder.string(), code.message()));
   }
-  if (files.empty() && is_depth_folder(folder)) return std::vector<fs::path>{folder};
+  const bool has_depth = is_depth_folder(folder);
+  if (files.empty() && has_depth) return std::vector<fs::path>{folder};
   if (files.empty()) files = std::move(perhaps);
+  if (const fs::path capture = capture_of_pictures(folder); files.empty() && !capture.empty())
+    return std::vector<fs::path>{capture};
   if (files.empty()) {
     return fail(ErrorCode::not_found, fmt::format("{}: has no point cloud files; known are {}",
                                                   folder.string(), known_formats()));
@@ -97,6 +105,12 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder,
     return natural_less(a.filename().string(), b.filename().string());
   });
   TRY(keep_commonest_format(folder, files, warnings));
+  if (has_depth && warnings != nullptr) {
+    warnings->push_back(fmt::format(
+        "{}: its pictures of depth are left out, because the frames here are files such as {}; "
+        "name its folder depth to read them instead",
+        folder.string(), files.front().filename().string()));
+  }
   return files;
 }
 
@@ -188,7 +202,7 @@ bool has_cloud_files(const fs::path& folder) {
   if (error) return false;
   return std::any_of(begin(entries), end(entries),
                      [](const auto& entry) { return is_cloud_file(entry.path()); }) ||
-         is_depth_folder(folder);
+         is_depth_folder(folder) || !capture_of_pictures(folder).empty();
 }
 
 std::string CloudFrame::name() const {
@@ -272,13 +286,18 @@ void CloudSequence::keep_gaps(double frames_per_second) {
 
 namespace {
 
-/// Looks for missing frames.
+/// Looks for missing frames: among files of one folder, or the pictures of one depth capture.
 void check_numbers(CloudSequence& sequence) {
+  const bool recorded = sequence.frames.front().recording != nullptr;
+  const auto folder_of = [recorded](const CloudFrame& frame) {
+    return recorded ? frame.file : frame.file.parent_path();
+  };
   std::vector<std::string> names;
-  const fs::path folder = sequence.frames.front().file.parent_path();
+  const fs::path folder = folder_of(sequence.frames.front());
   for (const CloudFrame& frame : sequence.frames) {
-    if (frame.recording != nullptr || frame.file.parent_path() != folder) return;
-    names.push_back(frame.file.filename().string());
+    if ((frame.recording != nullptr) != recorded || folder_of(frame) != folder || frame.time_us)
+      return;
+    names.push_back(recorded ? frame.recording->name(frame.index) : frame.file.filename().string());
   }
   const std::string missing = missing_numbers(names);
   if (missing.empty()) return;
@@ -300,6 +319,9 @@ void add_recording(CloudSequence& sequence, const fs::path& file,
   for (const std::string& line : loss.warnings)
     sequence.warnings.push_back(fmt::format("{}: {}", file.string(), line));
   sequence.lost_parts += loss.parts;
+  for (std::string& line : recording->guesses())
+    if (std::ranges::find(sequence.guesses, line) == sequence.guesses.end())
+      sequence.guesses.push_back(std::move(line));
 }
 
 /// A cloud that came through a pipe, which can be read only once.

@@ -38,6 +38,13 @@ Result<std::string> find_intrinsics(const std::vector<fs::path>& files) {
              "depth_scale, the steps per metre (1000 without it)"));
 }
 
+std::vector<std::string> guesses_of(std::string_view intrinsics) {
+  const auto camera = parse_camera_intrinsics(intrinsics);
+  if (!camera || camera->scale_is_given) return {};
+  return {concat("depth of ", camera->steps_per_meter,
+                 " steps per metre (depth_scale in the intrinsics changes it)")};
+}
+
 std::vector<fs::path> intrinsics_in(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const char* name : {"intrinsic.json", "intrinsics.json", "camera_intrinsic.json",

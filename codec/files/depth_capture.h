@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pointreel/error.h"
@@ -15,6 +16,9 @@ namespace pointreel {
 /// which it has been checked. Errors begin with the file; if there is none, `not_found` says what
 /// to put where.
 Result<std::string> find_intrinsics(const std::vector<std::filesystem::path>& files);
+
+/// What is assumed of a capture with these intrinsics, for Recording::guesses.
+std::vector<std::string> guesses_of(std::string_view intrinsics);
 
 /// "intrinsic.json" and the other names under which programs store intrinsics, in this folder.
 std::vector<std::filesystem::path> intrinsics_in(const std::filesystem::path& folder);

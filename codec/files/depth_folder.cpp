@@ -113,12 +113,13 @@ fs::path folder_called(std::initializer_list<std::string_view> names, const fs::
 
 fs::path depth_folder(const fs::path& folder) { return folder_called({"depth"}, folder); }
 fs::path color_folder(const fs::path& folder) {
-  return folder_called({"color", "rgb", "image"}, folder);
+  return folder_called({"color", "rgb", "image", "colour", "colors", "images"}, folder);
 }
 
-/// For each picture of depth, the number of the one of colours.
+/// For each picture of depth, the number of the one of colours. `warnings`: of those that have none
+/// of their own.
 Result<std::vector<std::size_t>> match(const Pictures& depth, const Pictures& color,
-                                       const fs::path& folder) {
+                                       const fs::path& folder, std::vector<std::string>& warnings) {
   std::vector<std::size_t> matches;
   if (!depth.times.empty() && !color.times.empty()) {
     matches = nearest_in_time(depth.times, color.times);
@@ -134,20 +135,44 @@ Result<std::vector<std::size_t>> match(const Pictures& depth, const Pictures& co
   std::map<std::string, std::size_t> by_name;
   for (std::size_t i = 0; i < color.files.size(); ++i)
     by_name.emplace(color.files[i].stem().string(), i);
+  std::size_t missing = 0;
   for (const fs::path& file : depth.files) {
     const auto found = by_name.find(file.stem().string());
-    if (found != by_name.end()) matches.push_back(found->second);
+    missing += found == by_name.end();
+    const std::size_t before = matches.empty() ? 0 : matches.back();
+    matches.push_back(found == by_name.end() ? before : found->second);
   }
-  if (matches.size() == depth.files.size()) return matches;
+  if (missing * 2 < depth.files.size()) {
+    if (missing > 0) {
+      warnings.push_back(concat(missing, " of ", depth.files.size(),
+                                " pictures of depth have no colours of their name, and get those "
+                                "of the picture before"));
+    }
+    return matches;
+  }
   if (color.files.size() != depth.files.size()) {
     return fail(concat(folder.string(), ": has ", color.files.size(), " pictures for ",
                        depth.files.size(),
                        " of depth, and neither names nor times in them tell "
                        "which belong together"));
   }
-  matches.resize(depth.files.size());
   std::iota(matches.begin(), matches.end(), std::size_t{0});
   return matches;
+}
+
+/// Of folders with as many pictures as there are of depth, under names that are not expected.
+void warn_of_other_pictures(const fs::path& folder, std::size_t count,
+                            std::vector<std::string>& warnings) {
+  const fs::path depths = depth_folder(folder);
+  std::error_code code;
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+    std::error_code ignored;
+    if (!it->is_directory(ignored) || it->path() == depths) continue;
+    const Result<Pictures> pictures = list_pictures(it->path(), false);
+    if (!pictures || pictures->files.size() < count) continue;
+    warnings.push_back(concat("the pictures in ", it->path().filename().string(),
+                              " are not read: colours are expected in color, rgb or image"));
+  }
 }
 
 Result<Bytes> read_picture(const fs::path& file) {
@@ -164,8 +189,12 @@ Result<Bytes> read_picture(const fs::path& file) {
 
 class DepthFolder : public Recording {
  public:
-  DepthFolder(std::string intrinsics, Pictures depth, std::vector<fs::path> colors)
-      : intrinsics_(std::move(intrinsics)), depth_(std::move(depth)), colors_(std::move(colors)) {}
+  DepthFolder(std::string intrinsics, Pictures depth, std::vector<fs::path> colors,
+              std::vector<std::string> warnings)
+      : intrinsics_(std::move(intrinsics)),
+        depth_(std::move(depth)),
+        colors_(std::move(colors)),
+        warnings_(std::move(warnings)) {}
 
   CloudFormat format() const override { return CloudFormat::depth_frame; }
   std::size_t size() const override { return depth_.files.size(); }
@@ -173,6 +202,8 @@ class DepthFolder : public Recording {
     if (depth_.times.empty()) return std::nullopt;
     return depth_.times[frame];
   }
+  RecordingLoss loss() const override { return {warnings_, 0}; }
+  std::vector<std::string> guesses() const override { return guesses_of(intrinsics_); }
   std::string name(std::size_t frame) const override {
     return concat("depth/", depth_.files[frame].filename().string());
   }
@@ -188,6 +219,7 @@ class DepthFolder : public Recording {
   const std::string intrinsics_;
   const Pictures depth_;
   const std::vector<fs::path> colors_;  ///< of each frame, or empty
+  const std::vector<std::string> warnings_;
 };
 
 }  // namespace
@@ -198,6 +230,16 @@ bool is_depth_folder(const fs::path& folder) {
        it.increment(code))
     if (is_picture(it->path(), true)) return true;
   return false;
+}
+
+fs::path capture_of_pictures(const fs::path& folder) {
+  fs::path pictures = folder.lexically_normal();
+  if (!pictures.has_filename()) pictures = pictures.parent_path();
+  const fs::path capture = pictures.has_parent_path() ? pictures.parent_path() : fs::path(".");
+  std::error_code ignored;
+  const bool is_its_folder =
+      is_depth_folder(capture) && fs::equivalent(depth_folder(capture), pictures, ignored);
+  return is_its_folder ? capture : fs::path();
 }
 
 std::vector<fs::path> picture_folders(const fs::path& folder) {
@@ -213,14 +255,17 @@ Result<std::shared_ptr<const Recording>> open_depth_folder(const fs::path& folde
     return fail(ErrorCode::not_found, concat(depths.string(), ": has no PNG files"));
   std::string intrinsics = TRY(find_intrinsics(intrinsics_in(folder)));
   std::vector<fs::path> colors;
+  std::vector<std::string> warnings;
   if (const fs::path from = color_folder(folder); !from.empty()) {
     const Pictures color = TRY(list_pictures(from, false));
     if (!color.files.empty()) {
-      for (const std::size_t i : TRY(match(depth, color, from))) colors.push_back(color.files[i]);
+      for (const std::size_t i : TRY(match(depth, color, from, warnings)))
+        colors.push_back(color.files[i]);
     }
   }
+  if (colors.empty()) warn_of_other_pictures(folder, depth.files.size(), warnings);
   return std::make_shared<const DepthFolder>(std::move(intrinsics), std::move(depth),
-                                             std::move(colors));
+                                             std::move(colors), std::move(warnings));
 }
 
 }  // namespace pointreel

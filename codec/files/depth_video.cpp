@@ -78,6 +78,7 @@ class DepthVideo : public Recording {
                                      ": what comes before is read"));
     return loss;
   }
+  std::vector<std::string> guesses() const override { return guesses_of(intrinsics_); }
   std::string name(std::size_t frame) const override { return concat("picture ", frame); }
 
   Result<Bytes> read(std::size_t frame) const override {

@@ -30,6 +30,8 @@ class Recording {
   /// Nanoseconds since 1970, or since some time that the recording does not tell.
   virtual std::optional<std::uint64_t> time_ns(std::size_t frame) const = 0;
   virtual RecordingLoss loss() const { return {}; }
+  /// What it does not tell and was assumed of it, for people.
+  virtual std::vector<std::string> guesses() const { return {}; }
   /// What the frame is called within the recording, for errors: "message 3".
   virtual std::string name(std::size_t frame) const = 0;
   /// The error does not contain the name.

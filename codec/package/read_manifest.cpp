@@ -104,6 +104,10 @@ Result<Manifest> read_manifest(const fs::path& folder) {
   const fs::path path = folder / kManifestName;
   std::error_code error;
   if (!fs::is_regular_file(path, error)) {
+    if (error == std::errc::permission_denied) {
+      return fail(ErrorCode::io,
+                  fmt::format("{}: cannot be read: {}", folder.string(), error.message()));
+    }
     if (!fs::exists(folder, error)) {
       return fail(ErrorCode::not_found, fmt::format("{}: no such file or folder", folder.string()));
     }

@@ -105,13 +105,30 @@ TEST_F(DepthFolder, folders_may_be_named_in_letters_of_any_case) {
   EXPECT_EQ(blues().size(), 2u);
 }
 
-TEST_F(DepthFolder, files_of_points_come_first) {
-  depth_scene::write(folder_.path(), 1, camera_);
+TEST_F(DepthFolder, files_of_points_come_first_unless_the_pictures_are_named) {
+  depth_scene::write(folder_.path(), 3, camera_);
   const fs::path ply = folder_.write("a.ply", "ply\n");
   const auto sequence = list_cloud_frames({folder_.path()});
   ASSERT_TRUE(sequence) << sequence.error().message;
   ASSERT_EQ(sequence->frames.size(), 1u);
   EXPECT_EQ(sequence->frames[0].file, ply);
+  EXPECT_THAT(sequence->warnings, ElementsAre(HasSubstr("its pictures of depth are left out")));
+  for (const char* const pictures : {"depth", "depth/", "./depth/."}) {
+    EXPECT_TRUE(has_cloud_files(folder_ / pictures));
+    const auto named = list_cloud_frames({folder_ / pictures});
+    ASSERT_TRUE(named) << named.error().message;
+    EXPECT_EQ(named->frames.size(), 3u);
+  }
+}
+
+TEST_F(DepthFolder, a_scale_that_is_not_given_is_said) {
+  depth_scene::write(folder_.path(), 1, camera_);
+  folder_.write("intrinsic.json", R"({"fx": 60, "fy": 60, "cx": 40, "cy": 30})");
+  EXPECT_THAT(list_cloud_frames({folder_.path()})->guesses,
+              ElementsAre(HasSubstr("depth of 1000 steps per metre")));
+  folder_.write("intrinsic.json",
+                R"({"fx": 60, "fy": 60, "cx": 40, "cy": 30, "depth_scale": 5000})");
+  EXPECT_THAT(list_cloud_frames({folder_.path()})->guesses, testing::IsEmpty());
 }
 
 TEST_F(DepthFolder, times_in_names_tell_when_and_which_colors_belong_to_depth) {
@@ -145,6 +162,27 @@ TEST_F(DepthFolder, without_times_names_or_else_places_tell_which_colors_belong_
   write_color("color/000009.png", 9);
   write_color("color/000008.png", 8);
   EXPECT_THAT(blues(), ElementsAre(9, 10));
+}
+
+TEST_F(DepthFolder, few_frames_without_colors_of_their_own_are_a_warning) {
+  write_intrinsics();
+  for (const char* const name : {"0.png", "1.png", "2.png", "5.png"}) write_depth(name);
+  write_color("color/0.png", 10);
+  write_color("color/2.png", 30);
+  write_color("color/5.png", 60);
+  write_color("color/6.png", 70);
+  EXPECT_THAT(blues(), ElementsAre(10, 10, 30, 60));
+  EXPECT_THAT(list_cloud_frames({folder_.path()})->warnings,
+              ElementsAre(HasSubstr(": 1 of 4 pictures of depth have no colours of their name"),
+                          HasSubstr("2 frames are missing: 3 to 4")));
+}
+
+TEST_F(DepthFolder, pictures_in_other_folders_are_a_warning) {
+  write_intrinsics();
+  write_depth("0.png");
+  write_color("left/0.png", 10);
+  EXPECT_THAT(list_cloud_frames({folder_.path()})->warnings,
+              ElementsAre(HasSubstr(": the pictures in left are not read")));
 }
 
 TEST_F(DepthFolder, as_many_colors_as_depth_are_taken_in_their_order) {

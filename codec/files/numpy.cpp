@@ -32,12 +32,13 @@ constexpr std::uint64_t kPointMemory = 64;
 /// Rows that are looked at to guess what the columns are.
 constexpr std::uint64_t kLookedRows = 4096;
 
-constexpr std::array<std::string_view, 10> kPositionArrays{
-    "positions", "position", "points", "point", "xyz",
-    "pos",       "vertices", "coords", "pts",   "coordinates"};
-constexpr std::array<std::string_view, 7> kColorArrays{"colors", "color", "colours",     "colour",
-                                                       "rgb",    "rgba",  "point_colors"};
-constexpr std::array<std::string_view, 3> kNormalArrays{"normals", "normal", "point_normals"};
+constexpr std::array<std::string_view, 13> kPositionArrays{
+    "positions", "position", "points",      "point",       "xyz", "pos",  "vertices",
+    "coords",    "pts",      "coordinates", "point_cloud", "pcd", "cloud"};
+constexpr std::array<std::string_view, 8> kColorArrays{
+    "colors", "color", "colours", "colour", "rgb", "rgba", "point_colors", "vertex_colors"};
+constexpr std::array<std::string_view, 4> kNormalArrays{"normals", "normal", "point_normals",
+                                                        "vertex_normals"};
 
 template <std::size_t kCount>
 bool is_called(std::string_view name, const std::array<std::string_view, kCount>& names) {
@@ -126,6 +127,8 @@ struct NumpyTable {
   }
   /// Few rows of many numbers are x, y and z of points that stand in columns.
   bool is_transposed() const { return rows <= 4 && columns > 16; }
+  /// A few numbers in a square are more often those of a camera.
+  bool is_small_matrix() const { return rows == columns && rows <= 4; }
   bool may_be_positions() const {
     return !structured() && columns >= 3 && !is_transposed() && header.columns.front().readable;
   }
@@ -189,7 +192,8 @@ std::size_t find_positions(const std::vector<NumpyTable>& tables, bool& several)
                                                     is_called(column.name, kPositionArrays);
                                            }));
     const bool likely = table.may_be_positions() && !is_called(table.name, kColorArrays) &&
-                        !is_called(table.name, kNormalArrays);
+                        !is_called(table.name, kNormalArrays) &&
+                        (tables.size() == 1 || !table.is_small_matrix());
     if (!named && !likely) continue;
     several |= found < tables.size();
     found = i;

@@ -142,6 +142,14 @@ TEST(Numpy, an_archive_has_positions_colors_normals_and_numbers) {
               ::testing::UnorderedElementsAre("pose (4, 4)", "frame ()", "names"));
 }
 
+TEST(Numpy, matrices_of_a_camera_are_no_positions) {
+  const auto got = read(npz({{"K", npy("<f4", "(3, 3)", std::vector<float>(9, 1.0f))},
+                             {"scan", npy("<f4", "(2, 3)", kTwo)},
+                             {"pose", npy("<f8", "(4, 4)", std::vector<double>(16, 1.0))}}));
+  ASSERT_TRUE(got) << got.error().message;
+  EXPECT_THAT(got->cloud.positions, ElementsAre(glm::vec3(1, 2, 3), glm::vec3(4, 5, 6)));
+}
+
 TEST(Numpy, columns_are_guessed_or_named) {
   const Bytes bytes = npy("<f4", "(2, 6)",
                           std::vector<float>{1, 2, 3, 255, 0, 9,  //

@@ -13,8 +13,8 @@ inline constexpr std::array<VectorNames, 3> kPositionNames{
     {{"x", "y", "z"},
      {"easting", "northing", "elevation"},  // surveyors'
      {"easting", "northing", "height"}}};
-inline constexpr std::array<VectorNames, 2> kNormalNames{
-    {{"nx", "ny", "nz"}, {"normal_x", "normal_y", "normal_z"}}};
+inline constexpr std::array<VectorNames, 3> kNormalNames{
+    {{"nx", "ny", "nz"}, {"normal_x", "normal_y", "normal_z"}, {"normalx", "normaly", "normalz"}}};
 inline constexpr std::array<VectorNames, 4> kColorNames{
     {{"red", "green", "blue"},
      {"r", "g", "b"},

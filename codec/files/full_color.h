@@ -30,8 +30,11 @@ inline double choose_full_color(double largest, bool floats, ReadNotes& notes) {
                                     ", which are cut off at ", std::llround(notes.full_color),
                                     ", the full brightness; --color-max sets it"));
   }
-  if (floats && notes.full_color > 1.0 && largest > 0.0 && largest <= 1.0) {
-    notes.warnings.push_back(concat("has colours from 0 to 1, which are all but black, because ",
+  const bool shares = floats && notes.full_color > 1.0 && largest > 0.0 && largest <= 1.0;
+  const bool bytes = notes.full_color > 255.0 && largest > 127.0 && largest <= 255.0;
+  if (shares || bytes) {
+    notes.warnings.push_back(concat("has colours from 0 to ", shares ? 1 : std::llround(largest),
+                                    ", which are all but black, because ",
                                     std::llround(notes.full_color),
                                     " is the full brightness of the others; --color-max sets it"));
   }

@@ -168,6 +168,11 @@ Result<PlyRoles> assign_roles(const PlyElement& vertex) {
   PlyRoles properties;
   properties.fill(-1);
   if (!assign_vector(vertex, kPosition, properties, kPositionNames)) {
+    if (vertex.find("packed_position") >= 0) {
+      return fail(concat("line ", vertex.line,
+                         ": has compressed Gaussian splats, which are not read: save them as PLY "
+                         "without compression"));
+    }
     for (const std::string_view name : kPositionNames.front()) {
       if (find_scalar(vertex, name) >= 0) continue;
       return fail(concat("line ", vertex.line, ": element vertex has no scalar property ", name));

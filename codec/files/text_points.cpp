@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -120,6 +121,13 @@ std::optional<std::string_view> comment_of(std::string_view line) {
     return trimmed(text.substr(std::min(text.find_first_not_of("#/% "), text.size())));
   }
   return std::nullopt;
+}
+
+/// What tables have in place of a number that is not known.
+bool is_missing(std::string_view cell) {
+  constexpr std::array<std::string_view, 5> kMissing{"", "na", "n/a", "null", "none"};
+  return std::any_of(kMissing.begin(), kMissing.end(),
+                     [&](std::string_view word) { return equal_in_any_case(cell, word); });
 }
 
 /// Also where tables have rows of empty cells.
@@ -326,27 +334,35 @@ std::string join(const std::vector<std::string>& names) {
 std::vector<std::string> guess_text_columns(std::span<const ByteView> samples, bool pts,
                                             bool& counts) {
   counts = false;
-  ColumnGuess guess;
-  std::size_t columns = 0;
-  bool unnamed = false;
+  struct Unnamed {
+    Head head;
+    Lines lines;
+  };
+  std::vector<Unnamed> unnamed;
+  std::map<std::size_t, std::size_t> files;  // by their number of columns
   std::vector<std::string> names;
   for (const ByteView sample : samples) {
-    const std::string_view text = without_marks(text_of(sample));
-    Lines lines(text);
-    const Result<Head> head = read_head(lines);
+    Lines lines(without_marks(text_of(sample)));
+    Result<Head> head = read_head(lines);
     // Reading the file says what is wrong.
     if (!head || head->columns < 3) continue;
     if (!head->names.empty()) {
-      if (names.empty()) names = head->names;
+      if (names.empty()) names = std::move(head->names);
       continue;
     }
-    unnamed = true;
-    if (columns == 0) columns = head->columns;
-    if (head->columns != columns) continue;
-    pts |= head->count.has_value();
-    look(*head, lines, guess);
+    ++files[head->columns];
+    unnamed.push_back({std::move(*head), lines});
   }
-  if (!unnamed) return {};
+  if (unnamed.empty()) return {};
+  std::size_t columns = unnamed.front().head.columns;
+  for (const auto& [number, count] : files)
+    if (count > files[columns]) columns = number;
+  ColumnGuess guess;
+  for (const Unnamed& file : unnamed) {
+    if (file.head.columns != columns) continue;
+    pts |= file.head.count.has_value();
+    look(file.head, file.lines, guess);
+  }
   // Files that were divided have a header in the first alone.
   if (names.size() == columns) {
     // As --columns takes them.
@@ -367,7 +383,7 @@ Result<PointCloud> read_text_points(const ByteSource& source, const Reading& rea
     return fail("is UTF-16 text; save it as UTF-8");
   Lines lines(without_marks(text));
   Head head = TRY(read_head(lines, reading.columns.size()));
-  if (head.columns == 0 && !head.names.empty()) return PointCloud();
+  if (head.columns == 0 && (!head.names.empty() || head.count == 0)) return PointCloud();
   if (head.columns == 0) return fail("has no points");
   if (head.columns < 3) {
     return fail(concat("line ", lines.number() + 1, ": has ", head.columns,
@@ -379,7 +395,8 @@ Result<PointCloud> read_text_points(const ByteSource& source, const Reading& rea
     if (names.size() != head.columns) {
       return fail(concat("line ", lines.number() + 1, ": has ", head.columns,
                          " columns, but is to be read as ", join(names),
-                         "; --columns names them for all files"));
+                         " as the others: name the files that are frames, or give all of them the "
+                         "same --columns"));
     }
   } else if (names.empty()) {
     const auto sample = TRY(sample_of(source, CloudFormat::text));
@@ -402,12 +419,12 @@ Result<PointCloud> read_text_points(const ByteSource& source, const Reading& rea
       if (column != kept[next]) continue;
       double value = 0.0;
       if (!parse_cell(word, head.separator, value)) {
-        if (columns.must_be_numbers[next]) {
+        if (columns.must_be_numbers[next] && !is_missing(word)) {
           return fail(concat("line ", lines.number(), ": '", printable(word), "' in column ",
                              column + 1, " is not a number"));
         }
         value = std::numeric_limits<double>::quiet_NaN();
-        if (!word.empty()) has_words[next] = true;
+        if (!is_missing(word)) has_words[next] = true;
       } else {
         has_numbers[next] = true;
       }

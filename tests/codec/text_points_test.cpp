@@ -243,7 +243,7 @@ TEST(TextPoints, given_columns_hold_and_must_be_as_many) {
   EXPECT_EQ(under_a_header->world(0), glm::dvec3(1, 2, 3));
   EXPECT_THAT(read("A,B,C\n1,2,3\n").error().message, HasSubstr("--columns names them"));
   EXPECT_THAT(read_as("1 2 3 4 5\n", {"x", "y", "z"}).error().message,
-              HasSubstr("line 1: has 5 columns, but is to be read as x y z; --columns"));
+              HasSubstr("line 1: has 5 columns, but is to be read as x y z as the others"));
 }
 
 TEST(TextPoints, the_last_cell_may_be_empty_where_columns_have_names) {
@@ -325,8 +325,23 @@ TEST(TextPoints, what_older_programs_of_windows_write_is_no_number) {
   EXPECT_EQ(cloud->scalars.at(0).values.at(1), 7.0f);
 }
 
+TEST(TextPoints, points_whose_position_is_missing_are_left_out) {
+  for (const char* const missing : {"", "NA", "null", "nan"}) {
+    const Result<PointCloud> cloud =
+        read(fmt::format("x,y,z,r,g,b\n1,2,3,255,0,0\n{0},2,3,0,0,0\n4,5,6,{0},0,0\n", missing));
+    ASSERT_TRUE(cloud) << cloud.error().message;
+    ASSERT_EQ(cloud->size(), 3u) << "as the reader leaves them";
+    EXPECT_TRUE(std::isnan(cloud->positions[1].x));
+  }
+}
+
+TEST(TextPoints, files_of_most_columns_decide) {
+  EXPECT_THAT(guess({"1 2 3\n", "1 2 3 4 5 6\n", "1 2 3 4 5 6\n"}),
+              ElementsAre("x", "y", "z", "r", "g", "b"));
+}
+
 TEST(TextPoints, a_header_alone_is_a_cloud_without_points) {
-  for (const char* const text : {"x y z\n", "//X Y Z R G B\n"}) {
+  for (const char* const text : {"x y z\n", "//X Y Z R G B\n", "0\n"}) {
     const Result<PointCloud> cloud = read(text);
     ASSERT_TRUE(cloud) << cloud.error().message;
     EXPECT_EQ(cloud->size(), 0u);
@@ -372,7 +387,7 @@ TEST(TextPoints, errors_say_in_which_line_and_column) {
   EXPECT_THAT(error_of("1 2 3\n4 five 6\n"), HasSubstr("line 2: 'five' in column 2"));
   EXPECT_THAT(error_of("1 2 3 4\n1 2 3\n"), HasSubstr("line 2: has 3 columns"));
   EXPECT_THAT(error_of("1 2\n"), HasSubstr("line 1: has 2 numbers"));
-  EXPECT_THAT(error_of("x,y,z\n1,,3\n"), HasSubstr("line 2: '' in column 2"));
+  EXPECT_THAT(error_of("x,y,z\n1,unknown,3\n"), HasSubstr("line 2: 'unknown' in column 2"));
   EXPECT_THAT(error_of("# nothing\n"), HasSubstr("no points"));
   EXPECT_THAT(error_of(std::string(3000, ',') + "\n"), HasSubstr("no points"));
   EXPECT_THAT(error_of("1 2 3\n1 2 \x1b[31m\n"), HasSubstr("'?[31m'"));

@@ -31,6 +31,7 @@ void tell_unused(const std::string& where, const SourceOptions& options) {
   if (!options.topic.empty()) unused.push_back("--topic");
   if (!options.reading.columns.empty()) unused.push_back("--columns");
   if (options.reading.full_color > 0.0) unused.push_back("--color-max");
+  if (options.reading.omit_constant) unused.push_back("--omit-constant");
   if (options.placement.scale != 1.0) unused.push_back("--scale");
   if (options.placement.rotation != Placement{}.rotation) unused.push_back("--rotate");
   if (unused.empty() || !options.say) return;

@@ -60,6 +60,22 @@ Result<std::vector<std::string>> parse_columns(const std::string& text) {
   return columns;
 }
 
+namespace {
+
+/// Separated by commas; "-" is none.
+std::vector<std::string> parse_names(const std::string& text) {
+  std::vector<std::string> names;
+  if (text == "-") return names;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    names.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return names;
+}
+
+}  // namespace
+
 std::vector<cli::Option> add_reading_options(cli::Command command, Reading& reading) {
   const cli::Option columns =
       command
@@ -78,7 +94,16 @@ std::vector<cli::Option> add_reading_options(cli::Command command, Reading& read
                       "bits: 1, 255 or 65535 (default: by the colours in some files)")
           .check(cli::one_of({"1", "255", "65535"}))
           .type_name("NUMBER");
-  return {columns, color_max};
+  const cli::Option omit =
+      command
+          .add_option_function<std::string>(
+              "--omit-constant",
+              [&reading](const std::string& text) { reading.omit_constant = parse_names(text); },
+              "scalar fields to leave out of frames in which they are the same at all points, or - "
+              "for none (default: alpha, intensity and the like, if they are so in all frames that "
+              "are looked at)")
+          .type_name("NAMES");
+  return {columns, color_max, omit};
 }
 
 std::vector<std::string> reading_arguments(const Reading& reading) {
@@ -87,6 +112,12 @@ std::vector<std::string> reading_arguments(const Reading& reading) {
     arguments.push_back(fmt::format("--columns={}", fmt::join(reading.columns, ",")));
   if (reading.full_color != 0.0)
     arguments.push_back(fmt::format("--color-max={}", reading.full_color));
+  if (reading.omit_constant) {
+    arguments.push_back(fmt::format(
+        "--omit-constant={}", reading.omit_constant->empty()
+                                  ? "-"
+                                  : fmt::format("{}", fmt::join(*reading.omit_constant, ","))));
+  }
   return arguments;
 }
 

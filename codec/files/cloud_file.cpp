@@ -126,7 +126,8 @@ Result<LoadedCloud> read_source(const ByteSource& source, CloudFormat format,
     ReadNotes notes;
     PointCloud cloud = TRY(read_points(source, format, limits, reading, notes));
     const double full_color = notes.full_color;
-    LoadedCloud loaded = usable_cloud(std::move(cloud), format, std::move(notes), limits.executor);
+    LoadedCloud loaded =
+        usable_cloud(std::move(cloud), format, std::move(notes), reading, limits.executor);
     loaded.full_color = full_color;
     return loaded;
   });

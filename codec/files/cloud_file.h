@@ -45,7 +45,11 @@ Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits = {},
 /// The cloud as read_cloud returns it: sanitized, with what was repaired, and without what says
 /// nothing.
 LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format, ReadNotes notes = {},
-                         const Executor& executor = {});
+                         const Reading& reading = {}, const Executor& executor = {});
+
+/// Whether it is the same at all points, and one of the fields that cameras, scanners and programs
+/// write although they have nothing to say.
+bool says_nothing(const ScalarField& field);
 
 /// Reads a file. Its format is recognised by its first bytes, or else by its name. The error begins
 /// with the path.

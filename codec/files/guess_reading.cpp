@@ -1,7 +1,9 @@
 #include "codec/files/guess_reading.h"
 
 #include <algorithm>
+#include <map>
 #include <memory>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -9,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "codec/files/byte_source.h"
+#include "codec/files/cloud_file.h"
 #include "codec/files/column_guess.h"
 #include "codec/files/format_table.h"
 #include "codec/files/numpy.h"
@@ -71,6 +74,29 @@ std::vector<std::uint64_t> sizes_of(const std::vector<CloudFrame>& frames) {
   return sizes;
 }
 
+/// Scalar fields that have the same value at all points of all clouds that are seen.
+class ConstantFields {
+ public:
+  void see(const PointCloud& cloud) {
+    if (cloud.size() < 2) return;
+    for (const ScalarField& field : cloud.scalars) {
+      const bool constant = says_nothing(field);
+      const auto [known, is_new] = fields_.try_emplace(field.name);
+      if (constant && is_new) known->second = field.values.front();
+      if (!constant || known->second != field.values.front()) known->second.reset();
+    }
+  }
+  std::vector<std::string> names() const {
+    std::vector<std::string> names;
+    for (const auto& [name, value] : fields_)
+      if (value) names.push_back(name);
+    return names;
+  }
+
+ private:
+  std::map<std::string, std::optional<float>> fields_;  ///< nothing: of several values
+};
+
 class ReadingGuess {
  public:
   ReadingGuess(CloudSequence& sequence, CloudFormat format)
@@ -93,9 +119,9 @@ class ReadingGuess {
           fmt::format("{} (--columns changes it)", fmt::join(sequence_.reading.columns, " ")));
   }
 
-  void guess_full_color() {
-    double& full = sequence_.reading.full_color;
-    bool odd = false;
+  /// What only points tell.
+  void look_at_points(const Reading& asked) {
+    ConstantFields constants;
     for (const CloudFrame* frame : looked_) {
       const auto sample = sample_of(*frame, format_);
       if (!sample) continue;
@@ -103,15 +129,16 @@ class ReadingGuess {
       ReadNotes notes;
       const Reading reading{sequence_.reading.columns, 0.0};
       const auto cloud = read_points(ByteSource(ByteView(*sample)), format_, {}, reading, notes);
-      if (!cloud || cloud->colors.empty()) continue;
-      if (notes.full_color == 0.0) return;
-      if (notes.full_color > full) {
-        full = notes.full_color;
-        odd = notes.odd_colors;
+      if (!cloud) continue;
+      constants.see(*cloud);
+      if (!cloud->colors.empty() && notes.full_color > full_color_) {
+        full_color_ = notes.full_color;
+        odd_colors_ = notes.odd_colors;
       }
     }
-    if (odd)
-      sequence_.guesses.push_back(fmt::format("colours up to {} (--color-max changes it)", full));
+    if (asked.full_color == 0.0) take_full_color();
+    if (!asked.omit_constant && sequence_.frames.size() > 1)
+      sequence_.reading.omit_constant = constants.names();
   }
 
  private:
@@ -137,10 +164,19 @@ class ReadingGuess {
     return columns > 3 ? guess.text_names(columns, false) : std::vector<std::string>();
   }
 
+  void take_full_color() {
+    sequence_.reading.full_color = full_color_;
+    if (odd_colors_)
+      sequence_.guesses.push_back(
+          fmt::format("colours up to {} (--color-max changes it)", full_color_));
+  }
+
   CloudSequence& sequence_;
   const CloudFormat format_;
   const std::vector<const CloudFrame*> looked_;
   bool first_counts_ = false;  ///< the first column of text numbers the points
+  double full_color_ = 0.0;    ///< of the brightest frame
+  bool odd_colors_ = false;    ///< ReadNotes::odd_colors
 };
 
 /// By its first bytes, or else by its name.
@@ -165,7 +201,7 @@ void guess_reading(CloudSequence& sequence, const Reading& asked) {
   }
   ReadingGuess guess(sequence, format);
   if (asked.columns.empty()) guess.guess_columns();
-  if (asked.full_color == 0.0) guess.guess_full_color();
+  guess.look_at_points(asked);
   // Files of other formats, which a user may name, have other columns.
   const auto named_format = [](const CloudFrame& frame) {
     return frame.recording != nullptr ? frame.recording->format()

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,9 @@ struct Reading {
   /// What stands for full brightness in colours whose type does not tell it (full_color.h): 1, 255
   /// or 65535, or 0: by the file.
   double full_color = 0.0;
+  /// Scalar fields, such as a classification, that are left out of frames in which they are the
+  /// same at all points. Nothing: by the file.
+  std::optional<std::vector<std::string>> omit_constant = {};
 };
 
 }  // namespace pointreel

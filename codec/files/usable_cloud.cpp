@@ -78,12 +78,11 @@ bool may_say_nothing(std::string_view name) {
                      [&](std::string_view known) { return letters(small) == letters(known); });
 }
 
-/// Fields of such names that are the same at all points are none.
-void drop_constant_fields(LoadedCloud& loaded) {
+void drop_constant_fields(LoadedCloud& loaded, const Reading& reading) {
   std::erase_if(loaded.cloud.scalars, [&](const ScalarField& field) {
-    const auto differs = [&](float value) { return value != field.values.front(); };
-    if (field.values.size() < 2 || !may_say_nothing(field.name) ||
-        std::any_of(field.values.begin(), field.values.end(), differs))
+    if (!says_nothing(field)) return false;
+    if (reading.omit_constant &&
+        std::ranges::find(*reading.omit_constant, field.name) == reading.omit_constant->end())
       return false;
     loaded.unread.push_back(concat(printable(field.name), " (the same at all points)"));
     return true;
@@ -106,8 +105,14 @@ void estimate_unknown_normals(LoadedCloud& loaded, const Executor& executor) {
 
 }  // namespace
 
+bool says_nothing(const ScalarField& field) {
+  const auto differs = [&](float value) { return value != field.values.front(); };
+  return field.values.size() >= 2 && may_say_nothing(field.name) &&
+         std::none_of(field.values.begin(), field.values.end(), differs);
+}
+
 LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format, ReadNotes notes,
-                         const Executor& executor) {
+                         const Reading& reading, const Executor& executor) {
   LoadedCloud loaded;
   loaded.cloud = std::move(cloud);
   loaded.warnings = std::move(notes.warnings);
@@ -126,7 +131,7 @@ LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format, ReadNotes notes,
         concat("replaced ", count(report.unknown_radii, "unusable radius value")));
   }
   estimate_unknown_radii(loaded.cloud);
-  drop_constant_fields(loaded);
+  drop_constant_fields(loaded, reading);
   return loaded;
 }
 

@@ -162,6 +162,7 @@ Result<std::vector<PlannedFrame>> planned(const std::vector<CloudFrame>& frames)
 Reading guessed(Reading reading, const Reading& asked) {
   if (!asked.columns.empty()) reading.columns.clear();
   if (asked.full_color != 0.0) reading.full_color = 0.0;
+  if (asked.omit_constant) reading.omit_constant.reset();
   return reading;
 }
 

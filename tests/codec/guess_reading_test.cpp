@@ -122,6 +122,28 @@ TEST_F(GuessReading, text_has_the_same_columns_in_all_frames_or_is_an_error_that
               HasSubstr("3.pts: line 2: has 6 columns"));
 }
 
+TEST_F(GuessReading, only_fields_that_are_the_same_in_all_frames_say_nothing) {
+  const auto write = [&](const char* name, int intensity, int first, int second) {
+    folder_.write(name, concat("x,y,z,intensity,classification,alpha\n1,2,3,", intensity, ",",
+                               first, ",255\n4,5,6,", intensity, ",", second, ",255\n"));
+  };
+  write("1.csv", 5, 2, 2);
+  write("2.csv", 7, 2, 6);
+  write("3.csv", 7, 2, 2);
+  const auto fields = [&](const Reading& asked) {
+    std::vector<std::size_t> fields;
+    for (const CloudFrame& frame : list(asked).frames)
+      fields.push_back(read_cloud_frame(frame).value().cloud.scalars.size());
+    return fields;
+  };
+  EXPECT_THAT(fields({}), ElementsAre(2, 2, 2)) << "all but alpha";
+  EXPECT_THAT(fields({{}, 0.0, std::vector<std::string>{}}), ElementsAre(3, 3, 3));
+  EXPECT_THAT(fields({{}, 0.0, std::vector<std::string>{"classification"}}), ElementsAre(2, 3, 2));
+  fs::remove(folder_ / "2.csv");
+  fs::remove(folder_ / "3.csv");
+  EXPECT_THAT(fields({}), ElementsAre(0));
+}
+
 TEST_F(GuessReading, what_was_asked_for_holds) {
   folder_.write("1.txt", "1 2 3 9 255 0 0\n");
   const CloudSequence sequence = list({{"z", "y", "x", "_", "b", "g", "r"}, 65535.0});

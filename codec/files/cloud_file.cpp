@@ -1,6 +1,7 @@
 #include "codec/files/cloud_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -18,6 +19,7 @@
 #include "codec/files/gltf_buffers.h"
 #include "codec/files/guess_reading.h"
 #include "codec/files/mcap.h"
+#include "common/base/letter_case.h"
 #include "common/base/natural_order.h"
 #include "common/base/out_of_memory.h"
 #include "common/base/try.h"
@@ -68,14 +70,39 @@ Result<void> keep_commonest_format(const fs::path& folder, std::vector<fs::path>
   return {};
 }
 
+/// Whether it is text that data sets keep beside their scans, by its name.
+bool is_about_scans(const fs::path& file) {
+  constexpr std::array<std::string_view, 13> kStems{
+      "calib",      "calibration", "groundtruth", "info",  "intrinsics", "license",   "metadata",
+      "trajectory", "poses",       "readme",      "times", "timestamps", "extrinsics"};
+  const std::string ending = in_small_letters(file.extension().string());
+  const std::string stem = in_small_letters(file.stem().string());
+  return (ending == ".txt" || ending == ".csv") && std::ranges::find(kStems, stem) != kStems.end();
+}
+
+/// "; its folder velodyne has some" if there are such.
+std::string hint_at_folders(const fs::path& folder) {
+  std::error_code code;
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+    std::error_code ignored;
+    if (it->is_directory(ignored) && !hidden(it->path()) && has_cloud_files(it->path()))
+      return fmt::format("; its folder {} has some", it->path().filename().string());
+  }
+  return {};
+}
+
 Result<std::vector<fs::path>> list_folder(const fs::path& folder,
                                           std::vector<std::string>* warnings) {
   std::error_code code;
-  std::vector<fs::path> files, perhaps;
+  std::vector<fs::path> files, perhaps, about;
   for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
     const fs::path& path = it->path();
     const Likely likely = is_cloud_name(path.filename().string());
     if (hidden(path) || likely == Likely::no) continue;
+    if (is_about_scans(path)) {
+      about.push_back(path);
+      continue;
+    }
     std::error_code error;  // also of a dangling link
     if (fs::is_regular_file(path, error)) {
       (likely == Likely::yes ? files : perhaps).push_back(path);
@@ -98,8 +125,14 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder,
   if (const fs::path capture = capture_of_pictures(folder); files.empty() && !capture.empty())
     return std::vector<fs::path>{capture};
   if (files.empty()) {
-    return fail(ErrorCode::not_found, fmt::format("{}: has no point cloud files; known are {}",
-                                                  folder.string(), known_formats()));
+    return fail(ErrorCode::not_found,
+                fmt::format("{}: has no point cloud files; known are {}{}", folder.string(),
+                            known_formats(), hint_at_folders(folder)));
+  }
+  const bool are_text = format_of({}, files.front().filename().string()) == CloudFormat::text;
+  for (const fs::path& path : about) {
+    if (are_text && warnings != nullptr)
+      warnings->push_back(path.string() + ": is left out, because its name is not one of points");
   }
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
     return natural_less(a.filename().string(), b.filename().string());
@@ -202,7 +235,9 @@ bool has_cloud_files(const fs::path& folder) {
   const fs::directory_iterator entries(folder, error);
   if (error) return false;
   return std::any_of(begin(entries), end(entries),
-                     [](const auto& entry) { return is_cloud_file(entry.path()); }) ||
+                     [](const auto& entry) {
+                       return is_cloud_file(entry.path()) && !is_about_scans(entry.path());
+                     }) ||
          is_depth_folder(folder) || !capture_of_pictures(folder).empty();
 }
 
@@ -446,6 +481,8 @@ Result<std::vector<fs::path>> list_cloud_files(const std::vector<fs::path>& inpu
   for (const fs::path& input : inputs) {
     std::error_code code;
     const fs::file_status status = fs::status(input, code);
+    if (code == std::errc::permission_denied)
+      return fail(ErrorCode::io, fmt::format("{}: {}", input.string(), code.message()));
     if (!fs::exists(status)) {
       return fail(ErrorCode::not_found, fmt::format("{}: no such file or folder", input.string()));
     }

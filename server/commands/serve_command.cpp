@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -252,6 +254,9 @@ Result<void> serve(const ServeArguments& arguments, const std::vector<std::strin
   // What is served may be what is recorded, from the first time on.
   if (std::error_code error; !arguments.record.empty()) {
     std::filesystem::create_directories(arguments.record, error);
+    const auto folder = arguments.record.c_str();
+    if (!error && ::faccessat(AT_FDCWD, folder, W_OK | X_OK, AT_EACCESS) != 0)
+      error.assign(errno, std::generic_category());
     if (error)
       return fail(ErrorCode::io,
                   fmt::format("--record {}: {}", arguments.record.string(), error.message()));

@@ -192,7 +192,13 @@ FileIdentity identity_at(const fs::path& file) {
   return ::stat(file.c_str(), &status) == 0 ? identity_of(status) : FileIdentity();
 }
 
-/// Looks for packages below a folder. False if there are too many folders.
+/// Whether this process may list a folder and open what is in it; else errno says why not.
+bool is_open(const fs::path& folder) {
+  return ::faccessat(AT_FDCWD, folder.c_str(), R_OK | X_OK, AT_EACCESS) == 0;
+}
+
+/// Looks for packages below a folder. Folders that may not be entered are found, too: reading them
+/// says so. False if there are too many folders.
 bool look_into(const fs::path& folder, const std::string& prefix, int depth, std::size_t& budget,
                std::vector<PackageFolder>& found, bool& has_files) {
   std::error_code error;
@@ -209,13 +215,15 @@ bool look_into(const fs::path& folder, const std::string& prefix, int depth, std
     }
     // Below these names the server and the page have something else.
     const bool is_reserved = name == "live" || name == "page";
-    if (fs::exists(path / kManifestName, unknown)) {
+    if (fs::exists(path / kManifestName, unknown) || unknown == std::errc::permission_denied) {
       found.push_back({path, prefix + name, true});
     } else if (depth + 1 < kMaxFolderDepth && !at->is_symlink(unknown) && !is_reserved &&
                !look_into(path, prefix + name + "/", depth + 1, budget, found, has_files)) {
       return false;
     }
   }
+  if (error == std::errc::permission_denied && depth > 0)
+    found.push_back({folder, prefix.substr(0, prefix.size() - 1), true});
   return true;
 }
 
@@ -231,6 +239,10 @@ Result<std::shared_ptr<const Package>> read_package(const PackageFolder& from,
   package->manifest = identity_at(folder / kManifestName);
   package->journal = identity_at(folder / kJournalName);
   if (package->manifest == FileIdentity()) {
+    if (!is_open(folder)) {
+      return fail(ErrorCode::io,
+                  fmt::format("{}: {}", given, std::generic_category().message(errno)));
+    }
     return fail(ErrorCode::not_found,
                 fmt::format("{}: holds no {}, and no packages; make one with pointreel-server pack",
                             given, kManifestName));
@@ -348,7 +360,8 @@ Result<std::vector<PackageFolder>> packages_in(const std::vector<fs::path>& fold
       std::ranges::sort(inside, [](const PackageFolder& a, const PackageFolder& b) {
         return natural_less(a.folder.native(), b.folder.native());
       });
-      if (inside.empty() && !has_files && fs::is_directory(folder, error)) continue;
+      if (inside.empty() && !has_files && is_open(folder) && fs::is_directory(folder, error))
+        continue;
     }
     if (inside.empty()) inside.push_back({folder, TRY(segment_name(folder))});
     packages.insert(packages.end(), inside.begin(), inside.end());

@@ -14,8 +14,10 @@
 
 #include "codec/draco/draco_payload.h"
 #include "codec/files/ply.h"
+#include "codec/package/manifest.h"
 #include "tests/paths.h"
 #include "tests/temporary_folder.h"
+#include "tests/unprivileged.h"
 #include "tests/view.h"
 
 namespace pointreel::cloud_file_test {
@@ -199,6 +201,35 @@ TEST_F(CloudFile, times_that_are_not_believed_are_named) {
   EXPECT_THAT(warnings({0, 1'700'000'000'000'000, 1'700'000'000'100'000}),
               ElementsAre(StartsWith("2.bin: its time is more than 31 days after the first")));
   EXPECT_THAT(warnings({5, 5, 5}), ElementsAre(StartsWith("most frames have the time of")));
+}
+
+TEST_F(CloudFile, text_beside_scans_is_no_frame) {
+  folder_.write("scans/a.csv", "x,y,z\n1,2,3\n");
+  folder_.write("scans/timestamps.csv", "time\n1\n");
+  const auto sequence = list_cloud_frames({folder_ / "scans"});
+  ASSERT_TRUE(sequence) << sequence.error().message;
+  EXPECT_EQ(sequence->frames.size(), 1u);
+  EXPECT_THAT(sequence->warnings, ElementsAre(HasSubstr("timestamps.csv: is left out")));
+  folder_.write("kitti/calib.txt", "P0: 1 2 3\n");
+  folder_.write("kitti/velodyne/000000.bin", std::string(32, '\0'));
+  EXPECT_FALSE(has_cloud_files(folder_ / "kitti"));
+  EXPECT_THAT(list_cloud_frames({folder_ / "kitti"}).error().message,
+              HasSubstr("; its folder velodyne has some"));
+}
+
+TEST_F(CloudFile, a_folder_that_may_not_be_entered_is_an_error_that_says_so) {
+  fs::permissions(folder_.path(), fs::perms::all);
+  folder_.write("closed/a.ply", "ply");
+  const fs::path closed = folder_ / "closed";
+  for (const fs::perms perms : {fs::perms::none, fs::perms::owner_read | fs::perms::group_read}) {
+    fs::permissions(closed, perms);
+    const Unprivileged unprivileged;
+    EXPECT_EQ(list_cloud_frames({closed}).error().message,
+              closed.string() + ": cannot be read: Permission denied");
+    EXPECT_EQ(read_manifest(closed).error().message,
+              closed.string() + ": cannot be read: Permission denied");
+  }
+  fs::permissions(closed, fs::perms::owner_all);
 }
 
 TEST_F(CloudFile, errors_begin_with_the_path_and_take_one_line) {

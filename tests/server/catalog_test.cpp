@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/served_package.h"
+#include "tests/unprivileged.h"
 
 namespace pointreel::catalog_test {
 namespace {
@@ -321,6 +322,24 @@ TEST_F(CatalogTest, does_not_open_a_file_that_was_changed_or_replaced) {
 
   fs::remove(full.file);
   EXPECT_EQ(open_resource(full).error(), OpenError::kChanged);
+}
+
+TEST_F(CatalogTest, folders_that_may_not_be_entered_are_faults_and_errors_if_they_are_named) {
+  fs::permissions(temporary_.path(), fs::perms::all);
+  const fs::path closed = temporary_.path() / "closed", above = temporary_.path() / "above";
+  fs::create_directories(above / "sub");
+  fs::rename(reel_, closed);
+  for (const fs::path& folder : {closed, above}) fs::permissions(folder, fs::perms::none);
+  {
+    const Unprivileged unprivileged;
+    auto catalog = Catalog::load({temporary_.path()});
+    ASSERT_TRUE(catalog) << catalog.error().message;
+    EXPECT_THAT(catalog->refresh({temporary_.path()}).faults,
+                testing::UnorderedElementsAre(closed.string() + ": Permission denied",
+                                              above.string() + ": Permission denied"));
+    EXPECT_EQ(error_of({closed}), closed.string() + ": Permission denied");
+  }
+  for (const fs::path& folder : {closed, above}) fs::permissions(folder, fs::perms::owner_all);
 }
 
 TEST_F(CatalogTest, opens_another_file_with_the_same_content) {

@@ -28,6 +28,7 @@ void ColumnGuess::see(const double* row, std::size_t columns) {
     looks_[i].whole &= row[i] >= 0.0 && row[i] == std::floor(row[i]);
     looks_[i].bytes &= row[i] <= 255.0;
     looks_[i].negative |= row[i] < 0.0;
+    looks_[i].most = std::max(looks_[i].most, row[i]);
     if (rows_ == 0) looks_[i].first = row[i];
     looks_[i].varies |= row[i] != looks_[i].first;
   }
@@ -52,6 +53,12 @@ bool ColumnGuess::are_bytes(std::size_t at) const {
   return std::all_of(looks_.begin() + static_cast<std::ptrdiff_t>(at),
                      looks_.begin() + static_cast<std::ptrdiff_t>(at) + 3,
                      [](const Look& look) { return look.whole && look.bytes; });
+}
+
+bool ColumnGuess::are_bright_bytes(std::size_t at) const {
+  constexpr double kBright = 100.0;
+  return are_bytes(at) &&
+         std::min({looks_[at].most, looks_[at + 1].most, looks_[at + 2].most}) > kBright;
 }
 
 bool ColumnGuess::are_unit(std::size_t at) const { return looks_[at].unit * 10 > rows_ * 9; }
@@ -96,6 +103,10 @@ Names ColumnGuess::text_names(std::size_t columns, bool pts) const {
     if (columns == 7) add(names, {"intensity"});
   } else if (columns == 9 || columns == 10) {
     add_two_triples(names, columns);
+  } else if (columns > 7 && are_bright_bytes(3)) {
+    add(names, {"r", "g", "b"});
+  } else if (columns > 7 && are_bright_bytes(4)) {
+    add(names, {"intensity", "r", "g", "b"});
   }
   return numbered_up_to(std::move(names), columns);
 }

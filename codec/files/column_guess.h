@@ -30,12 +30,13 @@ class ColumnGuess {
     bool whole = true, bytes = true;  ///< whole numbers from 0 on, and up to 255
     bool negative = false;
     bool varies = false;
-    double first = 0.0;
+    double first = 0.0, most = 0.0;
     std::size_t unit = 0;  ///< rows in which this and the next two are a vector of length 1
   };
 
   // Of three columns from there on.
   bool are_bytes(std::size_t at) const;
+  bool are_bright_bytes(std::size_t at) const;  ///< far beyond what classes and returns count
   bool are_unit(std::size_t at) const;
   bool are_normals(std::size_t at) const;
 

@@ -199,6 +199,9 @@ TEST(TextPoints, colors_and_normals_may_stand_in_either_order) {
   EXPECT_EQ(columns("1 2 3 10 20 30 9.5 0.6 0 -0.8"), "x y z r g b intensity nx ny nz");
   EXPECT_EQ(columns("1 2 3 0.6 0 -0.8 10 20 30 9.5"), "x y z nx ny nz r g b intensity");
   EXPECT_EQ(columns("1 2 3 0.6 0 -0.8 9.5 10 20 30"), "x y z nx ny nz intensity r g b");
+  EXPECT_EQ(columns("1 2 3 110 120 130 7 8"), "x y z r g b column 7 column 8");
+  EXPECT_EQ(columns("1 2 3 9.5 110 120 130 8"), "x y z intensity r g b column 8");
+  EXPECT_EQ(columns("1 2 3 110 12 1 2 8"), "x y z column 4 column 5 column 6 column 7 column 8");
   EXPECT_EQ(columns("1 2 3 0.6 0 -0.8 9.5"), "x y z nx ny nz intensity");
   EXPECT_EQ(columns("1 2 3 9.5 0.6 0 -0.8"), "x y z intensity nx ny nz");
 }

@@ -142,7 +142,7 @@ Result<std::vector<std::size_t>> match(const Pictures& depth, const Pictures& co
     const std::size_t before = matches.empty() ? 0 : matches.back();
     matches.push_back(found == by_name.end() ? before : found->second);
   }
-  if (missing * 2 < depth.files.size()) {
+  if (missing < depth.files.size()) {
     if (missing > 0) {
       warnings.push_back(concat(missing, " of ", depth.files.size(),
                                 " pictures of depth have no colours of their name, and get those "

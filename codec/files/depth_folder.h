@@ -24,8 +24,8 @@ std::vector<std::filesystem::path> picture_folders(const std::filesystem::path& 
 ///
 /// Names that are times tell when the pictures were taken: seconds with a fraction, or whole
 /// numbers of 13, 16 or 19 digits, in milliseconds, microseconds or nanoseconds. Then the colours
-/// of a frame are those that are nearest in time. Otherwise they are those of the same name, if
-/// most frames have such, or else of the same place in the natural order of the names, if there are
+/// of a frame are those that are nearest in time. Otherwise they are those of the same name, or
+/// else of the same place in the natural order of the names, if no names are the same and there are
 /// as many.
 ///
 /// Errors begin with the folder or file: `invalid` if it cannot be told which pictures belong

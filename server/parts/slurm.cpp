@@ -53,7 +53,11 @@ Result<SubmittedJob> sbatch(std::vector<std::string> arguments, const fs::path& 
   arguments.push_back(script.string());
   const ProgramOutcome outcome = TRY(run_program(arguments));
   std::string said = trimmed(outcome.out);
-  if (outcome.exit_code != 0) return fail(ErrorCode::io, in_one_line(said));
+  if (outcome.exit_code != 0 || said.empty()) {
+    return fail(ErrorCode::io, said.empty() ? fmt::format("sbatch ended with status {} and no word",
+                                                          outcome.exit_code)
+                                            : in_one_line(said));
+  }
   // Warnings come first; with several clusters, the cluster's name comes after a semicolon.
   said.erase(0, said.rfind('\n') + 1);
   const std::size_t end = std::min(said.find(';'), said.size());

@@ -100,6 +100,15 @@ TEST_F(Slurm, asks_the_cluster_that_took_the_jobs) {
   EXPECT_THAT(calls(), HasSubstr("squeue --clusters=north --noheader"));
 }
 
+TEST_F(Slurm, names_sbatch_if_it_says_nothing) {
+  for (const auto& [script, status] : {std::pair("exit 3", "3"), std::pair("exit 0", "0")}) {
+    program("sbatch", script);
+    const Result<SlurmJobs> jobs = submit_to_slurm(plan_, slurm_);
+    ASSERT_FALSE(jobs);
+    EXPECT_THAT(jobs.error().message, HasSubstr(std::string("sbatch ended with status ") + status));
+  }
+}
+
 TEST_F(Slurm, takes_back_the_parts_if_the_join_is_refused) {
   program("sbatch",
           "case \"$*\" in *--array*) echo '7;north'; exit;; esac\n"

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <initializer_list>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -116,30 +115,46 @@ fs::path color_folder(const fs::path& folder) {
   return folder_called({"color", "rgb", "image", "colour", "colors", "images"}, folder);
 }
 
-/// For each picture of depth, the number of the one of colours. `warnings`: of those that have none
-/// of their own.
-Result<std::vector<std::size_t>> match(const Pictures& depth, const Pictures& color,
-                                       const fs::path& folder, std::vector<std::string>& warnings) {
-  std::vector<std::size_t> matches;
-  if (!depth.times.empty() && !color.times.empty()) {
-    matches = nearest_in_time(depth.times, color.times);
-    for (std::size_t i = 0; i < matches.size(); ++i) {
-      const std::uint64_t a = depth.times[i], b = color.times[matches[i]];
-      if (std::max(a, b) - std::min(a, b) > kMostApart) {
-        return fail(concat(folder.string(), ": has no picture within a second of depth/",
-                           depth.files[i].filename().string(), ", by the times in the names"));
-      }
-    }
-    return matches;
+/// For each picture of depth, the one of colours that is nearest in time, or an empty path if none
+/// is within a second.
+Result<std::vector<fs::path>> match_by_time(const Pictures& depth, const Pictures& color,
+                                            const fs::path& folder,
+                                            std::vector<std::string>& warnings) {
+  std::vector<fs::path> matches;
+  std::size_t missing = 0;
+  const std::vector<std::size_t> nearest = nearest_in_time(depth.times, color.times);
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    const std::uint64_t a = depth.times[i], b = color.times[nearest[i]];
+    const bool apart = std::max(a, b) - std::min(a, b) > kMostApart;
+    missing += apart;
+    matches.push_back(apart ? fs::path() : color.files[nearest[i]]);
   }
-  std::map<std::string, std::size_t> by_name;
-  for (std::size_t i = 0; i < color.files.size(); ++i)
-    by_name.emplace(color.files[i].stem().string(), i);
+  if (missing == matches.size()) {
+    return fail(concat(folder.string(),
+                       ": has no picture within a second of any of depth, by the times in the "
+                       "names; without this folder, the depth is read alone"));
+  }
+  if (missing > 0) {
+    warnings.push_back(concat(missing, " of ", matches.size(),
+                              " pictures of depth have no colours within a second, and are shown "
+                              "without colours"));
+  }
+  return matches;
+}
+
+/// For each picture of depth, the one of colours. `warnings`: of those that have none of their own.
+Result<std::vector<fs::path>> match(const Pictures& depth, const Pictures& color,
+                                    const fs::path& folder, std::vector<std::string>& warnings) {
+  if (!depth.times.empty() && !color.times.empty())
+    return match_by_time(depth, color, folder, warnings);
+  std::map<std::string, fs::path> by_name;
+  for (const fs::path& file : color.files) by_name.emplace(file.stem().string(), file);
+  std::vector<fs::path> matches;
   std::size_t missing = 0;
   for (const fs::path& file : depth.files) {
     const auto found = by_name.find(file.stem().string());
     missing += found == by_name.end();
-    const std::size_t before = matches.empty() ? 0 : matches.back();
+    const fs::path& before = matches.empty() ? color.files.front() : matches.back();
     matches.push_back(found == by_name.end() ? before : found->second);
   }
   if (missing < depth.files.size()) {
@@ -150,14 +165,11 @@ Result<std::vector<std::size_t>> match(const Pictures& depth, const Pictures& co
     }
     return matches;
   }
-  if (color.files.size() != depth.files.size()) {
-    return fail(concat(folder.string(), ": has ", color.files.size(), " pictures for ",
-                       depth.files.size(),
-                       " of depth, and neither names nor times in them tell "
-                       "which belong together"));
-  }
-  std::iota(matches.begin(), matches.end(), std::size_t{0});
-  return matches;
+  if (color.files.size() == depth.files.size()) return color.files;
+  return fail(concat(folder.string(), ": has ", color.files.size(), " pictures for ",
+                     depth.files.size(),
+                     " of depth, and neither names nor times in them tell which belong together; "
+                     "without this folder, the depth is read alone"));
 }
 
 /// Of folders with as many pictures as there are of depth, under names that are not expected.
@@ -210,15 +222,19 @@ class DepthFolder : public Recording {
   Result<Bytes> read(std::size_t frame) const override {
     const Bytes depth = TRY(read_picture(depth_.files[frame]));
     Bytes color;
-    if (!colors_.empty())
-      color = TRY(at_place(colors_[frame].filename().string(), read_picture(colors_[frame])));
+    if (!colors_.empty() && !colors_[frame].empty()) {
+      const std::string name = colors_[frame].filename().string();
+      color = TRY(at_place(name, read_picture(colors_[frame])));
+      if (color.empty()) return fail(name + ": is empty");
+    }
     return depth_frame(intrinsics_, depth, color);
   }
 
  private:
   const std::string intrinsics_;
   const Pictures depth_;
-  const std::vector<fs::path> colors_;  ///< of each frame, or empty
+  /// Of each frame, an empty path for those without; or none at all.
+  const std::vector<fs::path> colors_;
   const std::vector<std::string> warnings_;
 };
 
@@ -258,10 +274,7 @@ Result<std::shared_ptr<const Recording>> open_depth_folder(const fs::path& folde
   std::vector<std::string> warnings;
   if (const fs::path from = color_folder(folder); !from.empty()) {
     const Pictures color = TRY(list_pictures(from, false));
-    if (!color.files.empty()) {
-      for (const std::size_t i : TRY(match(depth, color, from, warnings)))
-        colors.push_back(color.files[i]);
-    }
+    if (!color.files.empty()) colors = TRY(match(depth, color, from, warnings));
   }
   if (colors.empty()) warn_of_other_pictures(folder, depth.files.size(), warnings);
   return std::make_shared<const DepthFolder>(std::move(intrinsics), std::move(depth),

@@ -29,7 +29,7 @@ std::vector<std::filesystem::path> picture_folders(const std::filesystem::path& 
 /// as many.
 ///
 /// Errors begin with the folder or file: `invalid` if it cannot be told which pictures belong
-/// together, or if none is within a second; `not_found`, `io`, and those of find_intrinsics.
+/// together, or if none at all is within a second; `not_found`, `io`, and those of find_intrinsics.
 ///
 /// Trust: names and files may be hostile. Opening takes memory for the names alone.
 Result<std::shared_ptr<const Recording>> open_depth_folder(const std::filesystem::path& folder);

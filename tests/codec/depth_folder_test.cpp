@@ -228,8 +228,21 @@ TEST_F(DepthFolder, intrinsics_that_are_a_pipe_are_not_waited_for) {
 TEST_F(DepthFolder, clocks_that_differ_are_noticed) {
   write_intrinsics();
   write_depth("1305031102.16.png");
-  write_color("rgb/0000000102.16.png", 1);
-  EXPECT_THAT(error(), HasSubstr("rgb: has no picture within a second of depth/1305031102.16.png"));
+  write_color("rgb/1305031105.16.png", 1);
+  EXPECT_THAT(error(), HasSubstr("rgb: has no picture within a second of any of depth"));
+  write_depth("1305031105.00.png");
+  EXPECT_THAT(list_cloud_frames({folder_.path()})->warnings,
+              ElementsAre(HasSubstr("1 of 2 pictures of depth have no colours within a second")));
+  EXPECT_THAT(blues(), ElementsAre(1));
+}
+
+TEST_F(DepthFolder, a_picture_of_colors_without_a_byte_is_an_error) {
+  depth_scene::write(folder_.path(), 1, camera_);
+  for (const auto& entry : fs::directory_iterator(folder_ / "color"))
+    fs::resize_file(entry.path(), 0);
+  const auto loaded = read_cloud_frame(list_cloud_frames({folder_.path()})->frames[0]);
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(loaded.error().message, HasSubstr(": is empty"));
 }
 
 TEST_F(DepthFolder, one_picture_is_no_cloud) {

@@ -72,9 +72,9 @@ Result<void> keep_commonest_format(const fs::path& folder, std::vector<fs::path>
 
 /// Whether it is text that data sets keep beside their scans, by its name.
 bool is_about_scans(const fs::path& file) {
-  constexpr std::array<std::string_view, 13> kStems{
-      "calib",      "calibration", "groundtruth", "info",  "intrinsics", "license",   "metadata",
-      "trajectory", "poses",       "readme",      "times", "timestamps", "extrinsics"};
+  constexpr std::array<std::string_view, 14> kStems{
+      "notes",    "calib",      "calibration", "groundtruth", "info",  "intrinsics", "license",
+      "metadata", "trajectory", "poses",       "readme",      "times", "timestamps", "extrinsics"};
   const std::string ending = in_small_letters(file.extension().string());
   const std::string stem = in_small_letters(file.stem().string());
   return (ending == ".txt" || ending == ".csv") && std::ranges::find(kStems, stem) != kStems.end();

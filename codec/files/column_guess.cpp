@@ -90,12 +90,16 @@ void ColumnGuess::add_two_triples(Names& names, std::size_t columns) const {
 Names ColumnGuess::text_names(std::size_t columns, bool pts) const {
   Names names{"x", "y", "z"};
   if (columns == 4) add(names, {"intensity"});
-  if (columns == 7 && (pts || (are_bytes(4) && !are_bytes(3)))) {
-    add(names, {"intensity", "r", "g", "b"});
-  } else if (columns == 7 && are_unit(4) && !are_unit(3)) {
+  // .pts files have the intensity first, unless their numbers are none of colours.
+  const bool behind_intensity = are_bytes(3) ? are_bytes(4) && pts : are_bytes(4) || pts;
+  if (columns == 10 && behind_intensity && are_bytes(4) && are_unit(7))
+    return {"x", "y", "z", "intensity", "r", "g", "b", "nx", "ny", "nz"};
+  if (columns == 7 && are_unit(4) && !are_unit(3)) {
     add(names, {"intensity", "nx", "ny", "nz"});
+  } else if (columns == 7 && behind_intensity) {
+    add(names, {"intensity", "r", "g", "b"});
   } else if (columns == 6 || columns == 7) {
-    if (!pts && are_normals(3)) {
+    if (are_normals(3) && !(pts && are_bytes(3))) {
       add(names, {"nx", "ny", "nz"});
     } else {
       add(names, {"r", "g", "b"});

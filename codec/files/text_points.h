@@ -22,12 +22,13 @@ namespace pointreel {
 ///       x y z nx ny nz intensity, or x y z intensity nx ny nz
 ///   9   x y z r g b nx ny nz, or x y z nx ny nz r g b; without normals, the last three have no
 ///       names
-///   10  the same and an intensity: behind them, or between them if the others then are vectors of
-///       length 1, or bytes
+///   10  the same and an intensity: behind them, or between or before them if the others then are
+///       bytes and vectors of length 1
 /// With 8 or more than 10 columns, bytes of which some are above 100 are colours behind x y z, or
-/// behind an intensity. All others, and those of 5 columns, are "column 4" and so on. In
-/// .pts files (`pts`, or those that begin with a count) 6 are x y z r g b, and 7 x y z intensity r
-/// g b. `counts`: whether the first column numbers the points, so that it hardly is x.
+/// behind an intensity. All others, and those of 5 columns, are "column 4" and so on. In .pts files
+/// (`pts`, or those that begin with a count) 6 are x y z r g b, and 7 x y z intensity r g b, unless
+/// the numbers are none of colours. `counts`: whether the first column numbers the points, so that
+/// it hardly is x.
 std::vector<std::string> guess_text_columns(std::span<const ByteView> samples, bool pts,
                                             bool& counts);
 

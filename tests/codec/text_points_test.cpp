@@ -224,6 +224,18 @@ TEST(TextPoints, columns_of_pts_files_have_an_order_of_their_own) {
   for (const auto& columns : {guess({bytes}, true), guess({"1\n" + bytes})})
     EXPECT_THAT(columns, ElementsAre("x", "y", "z", "intensity", "r", "g", "b"));
   EXPECT_THAT(guess({"1\n1 2 3 1 0 0\n"}), ElementsAre("x", "y", "z", "r", "g", "b"));
+  // CloudCompare writes the count, too, but in another order.
+  for (const char* const scalar : {"-15.2", "0.5", "2000"}) {
+    EXPECT_THAT(guess({fmt::format("1\n1 2 3 130 60 253 {}\n", scalar)}),
+                ElementsAre("x", "y", "z", "r", "g", "b", "intensity"));
+  }
+  EXPECT_THAT(guess({"1\n1 2 3 7 0.6 0 -0.8\n"}),
+              ElementsAre("x", "y", "z", "intensity", "nx", "ny", "nz"));
+  EXPECT_THAT(guess({"1\n1 2 3 0.6 0 -0.8\n"}), ElementsAre("x", "y", "z", "nx", "ny", "nz"));
+  EXPECT_THAT(guess({"1 2 3 7 10 20 30 0.6 0 -0.8\n"}, true),
+              ElementsAre("x", "y", "z", "intensity", "r", "g", "b", "nx", "ny", "nz"));
+  EXPECT_THAT(guess({"1 2 3 900 1000 2000 65535\n"}, true),
+              ElementsAre("x", "y", "z", "intensity", "r", "g", "b"));
 }
 
 TEST(TextPoints, the_count_of_a_pts_file_is_compared_with_its_points) {

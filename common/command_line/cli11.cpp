@@ -359,8 +359,9 @@ class ConfigFile : public CLI::Config {
     std::string text((std::size_t{1} << 20) + 1, '\0');
     in.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(in.gcount()));
-    const auto settings = parse_toml(text);
+    auto settings = parse_toml(text);
     if (!settings) throw CLI::ConfigError("--config: " + settings.error().message);
+    std::ranges::stable_sort(*settings, {}, &TomlSetting::line);  // the first fault is told
     std::vector<CLI::ConfigItem> given;
     for (const TomlSetting& setting : *settings) {
       if (const std::string fault = fault_of(setting); !fault.empty())
@@ -377,7 +378,8 @@ class ConfigFile : public CLI::Config {
  private:
   std::string fault_of(const TomlSetting& setting) const {
     if (setting.table != command_.get_name())
-      return fmt::format("this stands below no line [{}]", command_.get_name());
+      return fmt::format("this stands below no line [{0}], and only {0} reads options from a file",
+                         command_.get_name());
     const CLI::Option* option = command_.get_option_no_throw("--" + setting.name);
     if (option == nullptr) option = command_.get_option_no_throw(setting.name);
     if (option == nullptr) return fmt::format("{} has no option {}", setting.table, setting.name);

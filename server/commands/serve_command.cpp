@@ -322,8 +322,8 @@ cli::Command define_serve(cli::Command app, const std::shared_ptr<ServeArguments
       "found while it is served.");
   const cli::Option config = command
                                  .add_config("--config",
-                                             "Read a command's options from FILE (TOML): a line "
-                                             "[COMMAND], then lines NAME = VALUE")
+                                             "Read the options of serve from FILE (TOML): a "
+                                             "line [serve], then lines NAME = VALUE")
                                  .type_name("FILE");
   if (again) {
     config.check({[](const std::string& file) -> std::string {

@@ -274,7 +274,11 @@ Result<std::shared_ptr<const Recording>> open_depth_folder(const fs::path& folde
   std::vector<std::string> warnings;
   if (const fs::path from = color_folder(folder); !from.empty()) {
     const Pictures color = TRY(list_pictures(from, false));
-    if (!color.files.empty()) colors = TRY(match(depth, color, from, warnings));
+    if (!color.files.empty()) {
+      colors = TRY(match(depth, color, from, warnings));
+    } else {
+      warnings.push_back(from.filename().string() + " has no pictures of colours");
+    }
   }
   if (colors.empty()) warn_of_other_pictures(folder, depth.files.size(), warnings);
   return std::make_shared<const DepthFolder>(std::move(intrinsics), std::move(depth),

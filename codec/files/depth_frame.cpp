@@ -28,8 +28,17 @@ std::string size_text(std::uint32_t width, std::uint32_t height) {
 
 /// The camera as it would be with as many pixels as the picture has.
 Result<CameraIntrinsics> camera_of(CameraIntrinsics camera, const DepthPicture& depth) {
-  if (camera.width == 0 || (camera.width == depth.width && camera.height == depth.height))
+  if (camera.width == depth.width && camera.height == depth.height) return camera;
+  if (camera.width == 0) {
+    // Of the same camera with more pixels, if not of a part of its picture.
+    if (camera.cx < 0.0 || camera.cy < 0.0 || camera.cx > depth.width - 1.0 ||
+        camera.cy > depth.height - 1.0) {
+      return fail(concat("have their centre at ", camera.cx, " ", camera.cy,
+                         ", outside of the depth's ", size_text(depth.width, depth.height),
+                         " pixels; say by width and height for which pictures they hold"));
+    }
     return camera;
+  }
   if (!same_shape(camera.width, camera.height, depth.width, depth.height)) {
     return fail(concat("are for ", size_text(camera.width, camera.height),
                        " pixels, but the depth has ", size_text(depth.width, depth.height),

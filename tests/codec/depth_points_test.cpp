@@ -167,6 +167,12 @@ TEST(DepthFrame, what_is_of_another_camera_is_refused_or_left_out_and_said) {
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message,
               HasSubstr("intrinsics: are for 1280 x 720 pixels, but the depth has 160 x 120"));
+  const auto larger = read_cloud(depth_frame(R"({"fx": 525, "fy": 525, "cx": 319.5, "cy": 239.5})",
+                                             view(depth_scene::png(depth)), {}),
+                                 CloudFormat::depth_frame);
+  ASSERT_FALSE(larger);
+  EXPECT_THAT(larger.error().message,
+              HasSubstr("centre at 319.5 239.5, outside of the depth's 160 x 120 pixels"));
   const auto left = read_frame(camera, depth, depth_scene::color(wide, 1));
   ASSERT_TRUE(left) << left.error().message;
   EXPECT_FALSE(left->cloud.has_colors());

@@ -12,7 +12,7 @@
 #include "client/source/folder_source.h"
 #include "client/source/open_live_source.h"
 #include "client/source/open_source.h"
-#include "codec/files/cloud_file.h"
+#include "codec/files/cloud_folder.h"
 #include "common/base/try.h"
 #include "common/base/words.h"
 #include "common/net/url.h"

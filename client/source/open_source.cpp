@@ -9,7 +9,7 @@
 #include "client/source/file_source.h"
 #include "client/source/folder_source.h"
 #include "client/source/http_source.h"
-#include "codec/files/cloud_file.h"
+#include "codec/files/cloud_folder.h"
 #include "codec/package/http_folder.h"
 #include "common/base/try.h"
 #include "common/net/url.h"

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "codec/draco/draco_payload.h"
+#include "codec/files/cloud_folder.h"
 #include "codec/files/ply.h"
 #include "codec/package/manifest.h"
 #include "tests/paths.h"

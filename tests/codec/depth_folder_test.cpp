@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include "codec/files/cloud_file.h"
+#include "codec/files/cloud_folder.h"
 #include "tests/depth_scene.h"
 #include "tests/temporary_folder.h"
 

@@ -13,6 +13,7 @@
 #include "codec/core/build.h"
 #include "codec/distance/distance.h"
 #include "codec/files/cloud_file.h"
+#include "codec/files/cloud_folder.h"
 #include "codec/files/ply.h"
 #include "pointreel/octree.h"
 #include "tests/e2e/picture.h"

@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "codec/files/cloud_file.h"
+#include "codec/files/cloud_folder.h"
 #include "codec/files/ply.h"
 #include "codec/package/manifest.h"
 #include "pointreel/package.h"

@@ -104,7 +104,8 @@ function show(src: string): void {
       }, 500);
     });
   // Somebody has written another "#..." behind the address.
-  window.addEventListener("hashchange", () => {
+  window.addEventListener("hashchange", (event) => {
+    history.replaceState(null, "", event.newURL);  // note() may have written over it meanwhile
     const named = tokenOf();
     if (named !== null && named !== player.token) return location.reload();
     const { seconds, view } = draw(player);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "codec/files/cloud_format.h"
@@ -47,9 +48,11 @@ Result<LoadedCloud> read_cloud(ByteView bytes, const DecodeLimits& limits = {},
 LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format, ReadNotes notes = {},
                          const Reading& reading = {}, const Executor& executor = {});
 
-/// Whether it is the same at all points, and one of the fields that cameras, scanners and programs
-/// write although they have nothing to say.
-bool says_nothing(const ScalarField& field);
+/// Whether it is the name of a field that cameras, scanners and programs write although they have
+/// nothing to say. Those that are the same at all points are left out.
+bool may_say_nothing(std::string_view name);
+/// Whether it is the same at all points.
+bool is_constant(const ScalarField& field);
 
 /// Reads a file. Its format is recognised by its first bytes, or else by its name. The error begins
 /// with the path.

@@ -80,7 +80,8 @@ class ConstantFields {
   void see(const PointCloud& cloud) {
     if (cloud.size() < 2) return;
     for (const ScalarField& field : cloud.scalars) {
-      const bool constant = says_nothing(field);
+      if (!may_say_nothing(field.name)) continue;
+      const bool constant = is_constant(field);
       const auto [known, is_new] = fields_.try_emplace(field.name);
       if (constant && is_new) known->second = field.values.front();
       if (!constant || known->second != field.values.front()) known->second.reset();
@@ -122,6 +123,7 @@ class ReadingGuess {
   /// What only points tell.
   void look_at_points(const Reading& asked) {
     ConstantFields constants;
+    bool seen = false;
     for (const CloudFrame* frame : looked_) {
       const auto sample = sample_of(*frame, format_);
       if (!sample) continue;
@@ -130,6 +132,7 @@ class ReadingGuess {
       const Reading reading{sequence_.reading.columns, 0.0};
       const auto cloud = read_points(ByteSource(ByteView(*sample)), format_, {}, reading, notes);
       if (!cloud) continue;
+      seen = true;
       constants.see(*cloud);
       if (!cloud->colors.empty() && notes.full_color > full_color_) {
         full_color_ = notes.full_color;
@@ -137,7 +140,7 @@ class ReadingGuess {
       }
     }
     if (asked.full_color == 0.0) take_full_color();
-    if (!asked.omit_constant && sequence_.frames.size() > 1)
+    if (!asked.omit_constant && seen && sequence_.frames.size() > 1)
       sequence_.reading.omit_constant = constants.names();
   }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "codec/files/attribute_names.h"
+#include "codec/files/cloud_file.h"
 #include "codec/files/numbers.h"
 #include "codec/files/ply_cloud_builder.h"
 #include "codec/files/ply_header.h"
@@ -93,6 +94,12 @@ bool has_loose_colors(const PlyElement& vertex, const PlyRoles& roles) {
   return size_of(vertex.properties[static_cast<std::size_t>(roles[kColor])].type) > 1;
 }
 
+bool has_fields_that_may_say_nothing(const PlyElement& vertex) {
+  return std::ranges::any_of(vertex.properties, [](const PlyProperty& property) {
+    return may_say_nothing(property.name);
+  });
+}
+
 Result<std::optional<Bytes>> ply_sample(const ByteSource& source) {
   Bytes room;
   const auto header = parse_ply_header(TRY(source.view(0, kMaxPlyHeader, room)));
@@ -103,7 +110,8 @@ Result<std::optional<Bytes>> ply_sample(const ByteSource& source) {
   if (vertex_at == header->elements.end()) return std::optional<Bytes>();
   const PlyElement& vertex = *vertex_at;
   const auto roles = assign_roles(vertex);
-  if (!roles || !has_loose_colors(vertex, *roles)) return std::optional<Bytes>();
+  if (!roles || (!has_loose_colors(vertex, *roles) && !has_fields_that_may_say_nothing(vertex)))
+    return std::optional<Bytes>();
   std::size_t row = 0;
   bool fixed = vertex_at == header->elements.begin();
   for (const PlyProperty& property : vertex.properties) {
@@ -161,8 +169,8 @@ Result<std::optional<Bytes>> las_sample(const ByteSource& source) {
   return std::optional<Bytes>(std::move(sample));
 }
 
-/// Whether the header has fields that may be colours in numbers of their own.
-Result<bool> has_pcd_colors(const ByteSource& source) {
+/// Whether the header has fields that may be colours in numbers of their own, or say nothing.
+Result<bool> has_unclear_pcd_fields(const ByteSource& source) {
   constexpr std::size_t kHeader = 4096;
   Bytes room;
   const ByteView begin = TRY(source.view(0, kHeader, room));
@@ -171,7 +179,7 @@ Result<bool> has_pcd_colors(const ByteSource& source) {
     if (in_capitals(take_word(line)) != "FIELDS") continue;
     for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) {
       for (const VectorNames& names : kColorNames)
-        if (equal_in_any_case(word, names[0])) return true;
+        if (equal_in_any_case(word, names[0]) || may_say_nothing(word)) return true;
     }
     return false;
   }
@@ -196,7 +204,7 @@ Result<std::optional<Bytes>> sample_of(const ByteSource& source, CloudFormat for
     case CloudFormat::las:
       return small ? whole(source) : las_sample(source);
     case CloudFormat::pcd:
-      if (!TRY(has_pcd_colors(source))) return std::optional<Bytes>();
+      if (!TRY(has_unclear_pcd_fields(source))) return std::optional<Bytes>();
       return whole(source);
     case CloudFormat::ply:
       return ply_sample(source);

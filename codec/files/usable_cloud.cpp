@@ -55,7 +55,33 @@ void leave_out_far_zeros(LoadedCloud& loaded) {
   loaded.left_out += keep_points(cloud, [&](std::size_t i) { return !is_zero(cloud, i); });
 }
 
-/// Of numbers that cameras, scanners and programs write although they have nothing to say.
+void drop_constant_fields(LoadedCloud& loaded, const Reading& reading) {
+  std::erase_if(loaded.cloud.scalars, [&](const ScalarField& field) {
+    const auto& omitted = reading.omit_constant;
+    const bool omit = omitted ? std::ranges::find(*omitted, field.name) != omitted->end()
+                              : field.values.size() > 1 && may_say_nothing(field.name);
+    if (!omit || !is_constant(field)) return false;
+    loaded.unread.push_back(concat(printable(field.name), " (the same at all points)"));
+    return true;
+  });
+}
+
+/// Normals without a direction are estimated. Where all are, the cloud has none: whoever needs some
+/// estimates them for the points that are left by then.
+void estimate_unknown_normals(LoadedCloud& loaded, const Executor& executor) {
+  std::vector<glm::vec3>& normals = loaded.cloud.normals;
+  const auto unknown =
+      static_cast<std::size_t>(std::count(normals.begin(), normals.end(), glm::vec3(0.0f)));
+  if (unknown == 0) return;
+  const bool all = unknown == normals.size();
+  loaded.warnings.push_back(
+      concat(count(unknown, "point"), unknown == 1 ? " has" : " have",
+             " no usable normal: ", all ? "normals are taken to be missing" : "it is estimated"));
+  all ? normals.clear() : complete_normals(loaded.cloud, executor);
+}
+
+}  // namespace
+
 bool may_say_nothing(std::string_view name) {
   constexpr std::array<std::string_view, 9> kNames{"alpha",
                                                    "a",
@@ -78,37 +104,9 @@ bool may_say_nothing(std::string_view name) {
                      [&](std::string_view known) { return letters(small) == letters(known); });
 }
 
-void drop_constant_fields(LoadedCloud& loaded, const Reading& reading) {
-  std::erase_if(loaded.cloud.scalars, [&](const ScalarField& field) {
-    if (!says_nothing(field)) return false;
-    if (reading.omit_constant &&
-        std::ranges::find(*reading.omit_constant, field.name) == reading.omit_constant->end())
-      return false;
-    loaded.unread.push_back(concat(printable(field.name), " (the same at all points)"));
-    return true;
-  });
-}
-
-/// Normals without a direction are estimated. Where all are, the cloud has none: whoever needs some
-/// estimates them for the points that are left by then.
-void estimate_unknown_normals(LoadedCloud& loaded, const Executor& executor) {
-  std::vector<glm::vec3>& normals = loaded.cloud.normals;
-  const auto unknown =
-      static_cast<std::size_t>(std::count(normals.begin(), normals.end(), glm::vec3(0.0f)));
-  if (unknown == 0) return;
-  const bool all = unknown == normals.size();
-  loaded.warnings.push_back(
-      concat(count(unknown, "point"), unknown == 1 ? " has" : " have",
-             " no usable normal: ", all ? "normals are taken to be missing" : "it is estimated"));
-  all ? normals.clear() : complete_normals(loaded.cloud, executor);
-}
-
-}  // namespace
-
-bool says_nothing(const ScalarField& field) {
-  const auto differs = [&](float value) { return value != field.values.front(); };
-  return field.values.size() >= 2 && may_say_nothing(field.name) &&
-         std::none_of(field.values.begin(), field.values.end(), differs);
+bool is_constant(const ScalarField& field) {
+  return std::ranges::all_of(field.values,
+                             [&](float value) { return value == field.values.front(); });
 }
 
 LoadedCloud usable_cloud(PointCloud cloud, CloudFormat format, ReadNotes notes,

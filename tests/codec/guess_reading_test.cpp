@@ -144,6 +144,26 @@ TEST_F(GuessReading, only_fields_that_are_the_same_in_all_frames_say_nothing) {
   EXPECT_THAT(fields({}), ElementsAre(0));
 }
 
+TEST_F(GuessReading, fields_that_say_nothing_are_left_out_whatever_the_format_of_the_frames) {
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+      "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "property uchar alpha\nend_header\n1 2 3 0 0 0 255\n4 5 6 0 9 0 255\n";
+  const std::string pcd =
+      "VERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 2\n"
+      "HEIGHT 1\nPOINTS 2\nDATA ascii\n1 2 3 7\n4 5 6 7\n";
+  for (const auto& [ending, text] : {std::pair("ply", ply), std::pair("pcd", pcd)}) {
+    for (const char* const name : {"a/1.", "a/2.", "a/3."})
+      folder_.write(name + std::string(ending), text);
+    const auto sequence = list_cloud_frames({folder_ / "a"});
+    ASSERT_TRUE(sequence) << sequence.error().message;
+    ASSERT_EQ(sequence->frames.size(), 3u);
+    for (const CloudFrame& frame : sequence->frames)
+      EXPECT_THAT(read_cloud_frame(frame).value().cloud.scalars, IsEmpty()) << ending;
+    fs::remove_all(folder_ / "a");
+  }
+}
+
 TEST_F(GuessReading, what_was_asked_for_holds) {
   folder_.write("1.txt", "1 2 3 9 255 0 0\n");
   const CloudSequence sequence = list({{"z", "y", "x", "_", "b", "g", "r"}, 65535.0});

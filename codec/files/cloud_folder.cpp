@@ -123,7 +123,8 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder,
   const bool are_text = format_of({}, files.front().filename().string()) == CloudFormat::text;
   for (const fs::path& path : about) {
     if (are_text && warnings != nullptr)
-      warnings->push_back(path.string() + ": is left out, because its name is not one of points");
+      warnings->push_back(path.string() +
+                          ": is left out: files of this name usually hold no points");
   }
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
     return natural_less(a.filename().string(), b.filename().string());
@@ -131,8 +132,8 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder,
   TRY(keep_commonest_format(folder, files, warnings));
   if (has_depth && warnings != nullptr) {
     warnings->push_back(fmt::format(
-        "{}: its pictures of depth are left out, because the frames here are files such as {}; "
-        "name its folder depth to read them instead",
+        "{0}: its depth pictures are left out, because the frames here are files such as {1}; name "
+        "{0}/depth to read them instead",
         folder.string(), files.front().filename().string()));
   }
   return files;

@@ -130,14 +130,16 @@ Result<std::vector<fs::path>> match_by_time(const Pictures& depth, const Picture
     matches.push_back(apart ? fs::path() : color.files[nearest[i]]);
   }
   if (missing == matches.size()) {
-    return fail(concat(folder.string(),
-                       ": has no picture within a second of any of depth, by the times in the "
-                       "names; without this folder, the depth is read alone"));
+    return fail(
+        concat(folder.string(),
+               ": has no picture within a second of any depth picture, by the times in their "
+               "names; move this folder away to read the depth alone"));
   }
   if (missing > 0) {
-    warnings.push_back(concat(missing, " of ", matches.size(),
-                              " pictures of depth have no colours within a second, and are shown "
-                              "without colours"));
+    warnings.push_back(
+        concat(missing, " of ", matches.size(),
+               " depth pictures have no colour picture within a second, and are shown "
+               "without colours"));
   }
   return matches;
 }
@@ -160,8 +162,8 @@ Result<std::vector<fs::path>> match(const Pictures& depth, const Pictures& color
   if (missing < depth.files.size()) {
     if (missing > 0) {
       warnings.push_back(concat(missing, " of ", depth.files.size(),
-                                " pictures of depth have no colours of their name, and get those "
-                                "of the picture before"));
+                                " depth pictures have no colour picture of the same name, and get "
+                                "the one before"));
     }
     return matches;
   }
@@ -169,7 +171,7 @@ Result<std::vector<fs::path>> match(const Pictures& depth, const Pictures& color
   return fail(concat(folder.string(), ": has ", color.files.size(), " pictures for ",
                      depth.files.size(),
                      " of depth, and neither names nor times in them tell which belong together; "
-                     "without this folder, the depth is read alone"));
+                     "move this folder away to read the depth alone"));
 }
 
 /// Of folders with as many pictures as there are of depth, under names that are not expected.

@@ -111,8 +111,8 @@ class ReadingGuess {
     }
     if (first_counts_) {
       sequence_.warnings.push_back(fmt::format(
-          "{}: the first column numbers the points, and was read as x: if it is not, --columns "
-          "-,x,y,z leaves it out",
+          "{}: the first column numbers the points, but is read as x; if that is wrong, "
+          "--columns -,x,y,z skips it",
           sequence_.frames.front().name()));
     }
     if (!sequence_.reading.columns.empty())

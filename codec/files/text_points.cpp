@@ -457,7 +457,7 @@ Result<PointCloud> read_text_points(const ByteSource& source, const Reading& rea
   if (head.surplus > 0 && reading.columns.empty()) {
     notes.warnings.push_back(concat("has names for ", head.columns + head.surplus,
                                     " columns, but its points have ", head.columns,
-                                    "; --columns names those"));
+                                    "; --columns says what these are"));
   }
   if (head.count && *head.count != rows) {
     notes.warnings.push_back(

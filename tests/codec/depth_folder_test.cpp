@@ -113,7 +113,7 @@ TEST_F(DepthFolder, files_of_points_come_first_unless_the_pictures_are_named) {
   ASSERT_TRUE(sequence) << sequence.error().message;
   ASSERT_EQ(sequence->frames.size(), 1u);
   EXPECT_EQ(sequence->frames[0].file, ply);
-  EXPECT_THAT(sequence->warnings, ElementsAre(HasSubstr("its pictures of depth are left out")));
+  EXPECT_THAT(sequence->warnings, ElementsAre(HasSubstr("its depth pictures are left out")));
   for (const char* const pictures : {"depth", "depth/", "./depth/."}) {
     EXPECT_TRUE(has_cloud_files(folder_ / pictures));
     const auto named = list_cloud_frames({folder_ / pictures});
@@ -173,9 +173,10 @@ TEST_F(DepthFolder, few_frames_without_colors_of_their_own_are_a_warning) {
   write_color("color/5.png", 60);
   write_color("color/6.png", 70);
   EXPECT_THAT(blues(), ElementsAre(10, 10, 30, 60));
-  EXPECT_THAT(list_cloud_frames({folder_.path()})->warnings,
-              ElementsAre(HasSubstr(": 1 of 4 pictures of depth have no colours of their name"),
-                          HasSubstr("2 frames are missing: 3 to 4")));
+  EXPECT_THAT(
+      list_cloud_frames({folder_.path()})->warnings,
+      ElementsAre(HasSubstr(": 1 of 4 depth pictures have no colour picture of the same name"),
+                  HasSubstr("2 frames are missing: 3 to 4")));
 }
 
 TEST_F(DepthFolder, pictures_in_other_folders_are_a_warning) {
@@ -230,10 +231,11 @@ TEST_F(DepthFolder, clocks_that_differ_are_noticed) {
   write_intrinsics();
   write_depth("1305031102.16.png");
   write_color("rgb/1305031105.16.png", 1);
-  EXPECT_THAT(error(), HasSubstr("rgb: has no picture within a second of any of depth"));
+  EXPECT_THAT(error(), HasSubstr("rgb: has no picture within a second of any depth picture"));
   write_depth("1305031105.00.png");
-  EXPECT_THAT(list_cloud_frames({folder_.path()})->warnings,
-              ElementsAre(HasSubstr("1 of 2 pictures of depth have no colours within a second")));
+  EXPECT_THAT(
+      list_cloud_frames({folder_.path()})->warnings,
+      ElementsAre(HasSubstr("1 of 2 depth pictures have no colour picture within a second")));
   EXPECT_THAT(blues(), ElementsAre(1));
 }
 

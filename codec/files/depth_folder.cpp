@@ -225,7 +225,8 @@ class DepthFolder : public Recording {
     const Bytes depth = TRY(read_picture(depth_.files[frame]));
     Bytes color;
     if (!colors_.empty() && !colors_[frame].empty()) {
-      const std::string name = colors_[frame].filename().string();
+      const fs::path& file = colors_[frame];
+      const std::string name = (file.parent_path().filename() / file.filename()).string();
       color = TRY(at_place(name, read_picture(colors_[frame])));
       if (color.empty()) return fail(name + ": is empty");
     }

@@ -245,7 +245,7 @@ TEST_F(DepthFolder, a_picture_of_colors_without_a_byte_is_an_error) {
     fs::resize_file(entry.path(), 0);
   const auto loaded = read_cloud_frame(list_cloud_frames({folder_.path()})->frames[0]);
   ASSERT_FALSE(loaded);
-  EXPECT_THAT(loaded.error().message, HasSubstr(": is empty"));
+  EXPECT_THAT(loaded.error().message, HasSubstr("color/0.png: is empty"));
 }
 
 TEST_F(DepthFolder, one_picture_is_no_cloud) {

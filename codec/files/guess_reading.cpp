@@ -124,6 +124,8 @@ class ReadingGuess {
   void look_at_points(const Reading& asked) {
     ConstantFields constants;
     bool seen = false;
+    double full_color = 0.0;  // of the brightest frame
+    bool odd_colors = false;
     for (const CloudFrame* frame : looked_) {
       const auto sample = sample_of(*frame, format_);
       if (!sample) continue;
@@ -134,12 +136,17 @@ class ReadingGuess {
       if (!cloud) continue;
       seen = true;
       constants.see(*cloud);
-      if (!cloud->colors.empty() && notes.full_color > full_color_) {
-        full_color_ = notes.full_color;
-        odd_colors_ = notes.odd_colors;
+      if (!cloud->colors.empty() && notes.full_color > full_color) {
+        full_color = notes.full_color;
+        odd_colors = notes.odd_colors;
       }
     }
-    if (asked.full_color == 0.0) take_full_color();
+    if (asked.full_color == 0.0) {
+      sequence_.reading.full_color = full_color;
+      if (odd_colors)
+        sequence_.guesses.push_back(
+            fmt::format("colours up to {} (--color-max changes it)", full_color));
+    }
     if (!asked.omit_constant && seen && sequence_.frames.size() > 1)
       sequence_.reading.omit_constant = constants.names();
   }
@@ -167,19 +174,10 @@ class ReadingGuess {
     return columns > 3 ? guess.text_names(columns, false) : std::vector<std::string>();
   }
 
-  void take_full_color() {
-    sequence_.reading.full_color = full_color_;
-    if (odd_colors_)
-      sequence_.guesses.push_back(
-          fmt::format("colours up to {} (--color-max changes it)", full_color_));
-  }
-
   CloudSequence& sequence_;
   const CloudFormat format_;
   const std::vector<const CloudFrame*> looked_;
   bool first_counts_ = false;  ///< the first column of text numbers the points
-  double full_color_ = 0.0;    ///< of the brightest frame
-  bool odd_colors_ = false;    ///< ReadNotes::odd_colors
 };
 
 /// By its first bytes, or else by its name.

@@ -11,6 +11,19 @@
 #include "pointreel/cloud.h"
 
 namespace pointreel {
+namespace {
+
+std::vector<std::string> between_commas(const std::string& text) {
+  std::vector<std::string> parts;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    parts.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return parts;
+}
+
+}  // namespace
 
 Result<glm::dvec3> parse_degrees(const std::string& text) {
   glm::dvec3 degrees(0.0);
@@ -40,15 +53,12 @@ cli::Option add_topic_option(cli::Command command, std::string& topic) {
 
 Result<std::vector<std::string>> parse_columns(const std::string& text) {
   std::vector<std::string> columns;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    const std::string name = text.substr(at, end - at);
+  for (const std::string& name : between_commas(text)) {
     if (name != "-" && name != "_" && !is_scalar_name(name)) {
       return fail(ErrorCode::argument,
                   fmt::format("\"{}\" in --columns is not the name of a column", name));
     }
     columns.push_back(name == "-" ? "_" : name);
-    at = end + 1;
   }
   for (const char* axis : {"x", "y", "z"}) {
     if (std::count_if(columns.begin(), columns.end(),
@@ -59,22 +69,6 @@ Result<std::vector<std::string>> parse_columns(const std::string& text) {
   }
   return columns;
 }
-
-namespace {
-
-/// Separated by commas; "-" is none.
-std::vector<std::string> parse_names(const std::string& text) {
-  std::vector<std::string> names;
-  if (text == "-") return names;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    names.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
-  return names;
-}
-
-}  // namespace
 
 std::vector<cli::Option> add_reading_options(cli::Command command, Reading& reading) {
   const cli::Option columns =
@@ -98,7 +92,10 @@ std::vector<cli::Option> add_reading_options(cli::Command command, Reading& read
       command
           .add_option_function<std::string>(
               "--omit-constant",
-              [&reading](const std::string& text) { reading.omit_constant = parse_names(text); },
+              [&reading](const std::string& text) {
+                reading.omit_constant =
+                    text == "-" ? std::vector<std::string>() : between_commas(text);
+              },
               "scalar fields to leave out of frames in which they are the same at all points, or - "
               "for none (default: alpha, intensity and the like, if they are so in all frames that "
               "are looked at)")
